@@ -1,4 +1,4 @@
-//! What baking costs: run with `cargo bench --bench bake`, some seconds.
+//! Cost of baking: run with `cargo bench --bench bake`, some seconds.
 //!
 //! Blocks of eight octaves of turbulence on all cores, and the same sum by well-kept crates of noise on the same cores.
 //! Times are milliseconds, median (lowest-highest); a sample is one octave at one texel.

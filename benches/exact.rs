@@ -1,4 +1,4 @@
-//! What exact evaluation costs: run with `cargo bench --bench exact`, half a minute.
+//! Cost of evaluation in f64: run with `cargo bench --bench exact`, half a minute.
 //!
 //! Matter at random points around the object, one thread. Operations are scalar ones of the lowered program in active
 //! lanes; copies and branches do not count. Median (lowest-highest) of several runs.

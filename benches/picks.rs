@@ -1,4 +1,4 @@
-//! What `--max-error` picks, against the fastest settings that `compare` finds: run with `cargo bench --bench picks -- 200`.
+//! Picks of `--max-error` against the fastest settings of `compare`: run with `cargo bench --bench picks -- 200`.
 //!
 //! Random scenes at 64 x 64: any effect on any object, parameters anywhere in their ranges. For each, a quick comparison of
 //! what has the scene's own truth; a bound of rmse anywhere between the least error that was found and the largest, 0.1 at

@@ -1,4 +1,4 @@
-//! What references cost: run with `cargo bench --bench reference`, some minutes; `-- fire smoke 64` measures two at 64 x 64.
+//! Cost of references: run with `cargo bench --bench reference`, some minutes; `-- fire smoke 64` measures two at 64 x 64.
 //!
 //! Wall time, and processor time of all threads (Linux), of the reference of each preset at 128 x 128 or what is asked;
 //! nothing is kept on disk. Beside them what the reference says of itself: its root mean square error as samples say, and

@@ -180,7 +180,7 @@ unsafe fn draw() -> Result<Vec<u8>, Box<dyn Error>> {
     device.queue_submit(queue, &[vk::SubmitInfo::default().command_buffers(&buffers)], vk::Fence::null())?;
     device.queue_wait_idle(queue)?;
 
-    // What the commands used may go, then what the renderer made, then the host's own.
+    // Drop resources of the commands first, then those of the renderer, then the host's.
     drop(recording);
     drop(renderer);
     drop(gpu);

@@ -1,4 +1,4 @@
-// What a bending ray knows about a point of space.
+// State of a bending ray at a point of space.
 // Source: PH 2.4 (an extra channel of the color table).
 struct Index {
     float value;    // index of refraction, 1 to 4

@@ -13,7 +13,7 @@ vec3 position_eye;                      // eye space
 const bool follows = false;             // no sample of the ray was taken before this one
 vec4 color = vec4(1.0);
 
-// What looks at the matter is the light.
+// The eye is the light.
 vec3 to_eye() { return safe_normalize(light_position.xyz - position_eye, vec3(0.0, 0.0, 1.0)); }
 #include <planes>
 // A sample is as wide as the path in its slice, or as a texel of the buffer.

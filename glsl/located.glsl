@@ -18,7 +18,7 @@ bool meets(vec3 x, float gap, float level, float path, out float at) {
 #endif
 }
 
-// The sample so many steps before; what is shaded is lit where it is.
+// The sample a number of steps before; shading takes place at the surface.
 Sample moved_back(Sample s, float at, float path) {
 #ifndef ONE_SAMPLE
     s = sample_object(s.x + at * (mat3(texture_matrix) * (to_eye() * path)));

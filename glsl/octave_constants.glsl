@@ -1,4 +1,4 @@
-// What every sum of octaves knows.
+// Constants of sums of octaves.
 // Source: PH 2.3, 3.1.
 #include <bandlimit>
 #include "octave_count.glsl"

@@ -1,4 +1,4 @@
-// What each object of a scene has for itself: constants, volume, transfer map.
+// Inputs of each object of a scene: constants, volume, transfer map.
 // Source: MJ 3.5 and 6 name the constants.
 // Spaces as in interface.glsl; bindings from 16 on. An additional object has the next eight bindings, and its constants in
 // the block of parameters.

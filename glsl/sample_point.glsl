@@ -1,4 +1,4 @@
-// What a DMF, a surface and a medium know about a point of space, and what one leaves there for another.
+// Inputs of DMFs, surfaces and media at a point of space, and values that one passes to another.
 // Source: MJ 6 (the variables available to a DMF).
 // Object space and object units. A DMF that leaves something takes `inout Sample s`; no sample sees what was left in
 // another, so that a probe beside it changes nothing.

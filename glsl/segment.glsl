@@ -9,5 +9,5 @@ float place_of(float value, float a, float b) {
     return clamp((value - a) / (abs(rise) < 1e-20 ? -1e-20 : rise), 0.0, 1.0);
 }
 
-// What is shaded is lit where it is, not in the middle.
+// Shading takes place at the surface, not in the middle of the step.
 void look_from_middle_to(float t, float path) { position_eye -= to_eye() * ((t - 0.5) * path); }

@@ -1,4 +1,4 @@
-// What an object is at a point, as the soft booleans combine it.
+// An object at a point, as the soft booleans combine it.
 // Source: PH 2.2.
 // Object space of the scene.
 struct Soft {

@@ -1,4 +1,4 @@
-// What every object module returns.
+// Result of object modules.
 // Source: MJ 3.1.
 // distance: signed, positive outside, object units; normal: gradient of the distance, object space, of length 1 where it is unique.
 struct Surface {

@@ -19,7 +19,7 @@ vec3 vector_noise_slope(vec3 p, out mat3 slope) {
 #else
 vec3 vector_noise(vec3 p) { return vec3(noise(p - NOISE_SHIFT), noise(p), noise(p + NOISE_SHIFT)); }
 
-// The same, with its derivative by p: a row for each component.
+// Vector noise and its derivative by p: a row for each component.
 vec3 vector_noise_slope(vec3 p, out mat3 slope) {
     vec4 a = noise_gradient(p - NOISE_SHIFT), b = noise_gradient(p), c = noise_gradient(p + NOISE_SHIFT);
     slope = transpose(mat3(a.xyz, b.xyz, c.xyz));

@@ -1,4 +1,4 @@
-// Notes what a module gives that is no number. Evaluated, never drawn.
+// Records NaN and infinite values of a module. Evaluated, never drawn.
 // Source: ours.
 // module: its number, from 1 on. `fault` holds that of the first that gave such a value, and 1 for NaN or 2 for an infinity
 // in f32; zeros where none did.

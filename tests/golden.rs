@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 /// Goldens of rays; the others are of slices, which draw every sample.
 const RAYS: [&str; 3] = ["woven", "flow", "blue_glass_sphere"];
 
-/// What a scene is called and, as a scene file, what it is; every preset that is not among them is one as well.
+/// Names and scene files of the goldens; every other preset is a golden too.
 const SCENES: &[(&str, &str)] = &[
     ("lit_torus", "preset = 'lit'\n object.input = 'torus'"),
     ("solid_torus", "preset = 'solid'\n object.input = 'torus'"),
@@ -117,7 +117,7 @@ impl Tolerance {
     }
 }
 
-/// What decides the last digits of a picture: device and driver with their versions, the width of vectors, and what the
+/// Environment that decides the last digits of a picture: device and driver with their versions, the width of vectors, and what the
 /// processor can do.
 fn key(gpu: &Gpu) -> String {
     let info = gpu.info();

@@ -66,7 +66,7 @@ fn text_stl() -> Vec<u8> {
     (text + "endsolid strip\n").into_bytes()
 }
 
-/// What must hold for any bytes.
+/// Properties of a reader for any bytes.
 fn check(name: &str, bytes: &[u8]) -> Result<(), TestCaseError> {
     match read(name, bytes) {
         Err(error) => prop_assert_eq!(error.to_string().lines().count(), 1, "{}", error),

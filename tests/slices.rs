@@ -1,4 +1,4 @@
-//! What slices promise: the picture does not depend on their order, shape or number, only on what is in the scene.
+//! Guarantees of slices: the picture does not depend on their order, shape or number, only on what is in the scene.
 
 mod common;
 
@@ -169,7 +169,7 @@ fn m61_slices_in_the_tiles_of_cells_that_may_hold_matter_are_the_same_picture() 
                     let mut scene = scene.clone();
                     scene.quality.empty_space = empty_space;
                     let mut renderer = Renderer::new(gpu, &library, subject);
-                    // What is found for this picture must not serve another; the second of a program finds cells at any rate.
+                    // Results for this picture must not serve another; the second picture of a program finds cells anyway.
                     renderer.render(&scene).unwrap_or_else(|error| panic!("{error}"));
                     change(&mut scene);
                     renderer

@@ -1,4 +1,4 @@
-//! What the benches share: the device, and numbers with their spread.
+//! Shared by the benches: the device, and numbers with their spread.
 
 #![allow(dead_code, reason = "each bench uses its part of this")]
 

@@ -22,7 +22,7 @@ float far_part = 0.0;   // how much of that step was left by what cuts it: 1 whe
 // The places of a segment where its density is asked for.
 const int NEAR = 0, FAR = 1, OVER_SKIN = 2, UNDER_SKIN = 3;
 
-// What is seen of two ends: the sample at part t of the way, on a line.
+// Linear interpolation between two ends: the sample at part t.
 Sample between(Sample a, Sample b, float t) {
     Sample s = a;
     s.x = mix(a.x, b.x, t);

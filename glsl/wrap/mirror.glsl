@@ -1,4 +1,4 @@
-// What repeats is a mirror image of itself in every other period.
+// Every other period is mirrored.
 // Source: MJ 4.1 (GL_MIRRORED_REPEAT); that the gradient changes its sign where it is mirrored, the paper does not say.
 // p and period: lattice cells. folded: where in the first period the noise of p is found; fold_sign: what the gradient
 // there is multiplied by. What never repeats has no mirror.

@@ -1,4 +1,4 @@
-// What repeats begins anew after each period.
+// Periods are alike.
 // Source: MJ 4.1 (GL_REPEAT).
 // p and period: lattice cells. folded: p, or where in the first period its noise is found; fold_sign: what the gradient
 // there is multiplied by.

@@ -1,4 +1,4 @@
-//! What the tests of pictures share: a device under validation, scenes with a known answer, and the rays of a picture.
+//! Shared by tests of pictures: a device under validation, scenes with a known answer, and the rays of a picture.
 
 #![allow(dead_code, reason = "each file of tests uses its part of this")]
 

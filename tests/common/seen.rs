@@ -1,4 +1,4 @@
-//! What modules give at more than 10^4 points, as colors of a picture.
+//! Values of modules at more than 10^4 points, as colors of a picture.
 
 #![allow(dead_code, reason = "each file of tests uses its part of this")]
 
@@ -12,7 +12,7 @@ use hypertexture::shader::{self, Library};
 /// Half the side of the square that a probe shows.
 const SIDE: f64 = 0.99;
 
-/// What a surface module makes of the front face of a cube, on more than 10^4 points (x, y); the face is found to one
+/// Colors of a surface module on the front face of a cube, at more than 10^4 points (x, y); the face is found to one
 /// slice, so that probes put a z of their own, 0.37, in its place.
 pub fn seen(gpu: &Gpu, text: &str, change: impl FnOnce(&mut Scene)) -> Vec<(DVec3, DVec3)> {
     seen_with(gpu, &shader::shipped(), text, change)

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// What each of some files and folders imports of the others.
+/// Imports between files and folders.
 type Arrows = BTreeMap<String, BTreeSet<String>>;
 
 fn root() -> &'static Path {
@@ -62,7 +62,7 @@ fn read_path<'a>(start: &str, text: &'a str, found: &mut Vec<String>) -> &'a str
     rest.get(1..).unwrap_or_default()
 }
 
-/// What a path means in a module, both as places in `src`.
+/// Resolves a path in a module; both are places in `src`.
 fn resolve(module: &Path, path: &str) -> PathBuf {
     let mut place = module.to_path_buf();
     for part in path.split("::") {
@@ -98,7 +98,7 @@ fn arrows(source: &Path) -> BTreeMap<PathBuf, Arrows> {
     arrows
 }
 
-/// What is left when, again and again, all go that import none of those left, or that none of those left imports: circles.
+/// Circles: the rest after repeated removal of nodes without imports or without importers.
 fn circles(mut arrows: Arrows) -> Arrows {
     loop {
         let left: BTreeSet<String> = arrows.keys().cloned().collect();

@@ -1,4 +1,4 @@
-//! What pages say of the code is true.
+//! Statements of the pages about the code are true.
 
 mod layers;
 mod names;

@@ -1,4 +1,4 @@
-//! What the README and the pages in `docs` show is true: scene files, the custom module, the list of effects, links.
+//! Contents of the README and of the pages in `docs` are true: scene files, the custom module, the list of effects, links.
 #![expect(clippy::unwrap_used, reason = "a test fails where a page is not as described")]
 
 use hypertexture::render::variant::Variant;

@@ -1,4 +1,4 @@
-//! What a point of space is: classified matter, premultiplied.
+//! Classification of a point: premultiplied matter.
 
 use crate::density::{bias, gain};
 use crate::harness::{At, COLOR, Check};

@@ -1,4 +1,4 @@
-//! What is made of a density: softness, shaping, DMFs, masks, opacity.
+//! Functions of the density: softness, shaping, DMFs, masks, opacity.
 
 use crate::dual::{moved, place, scaled};
 use crate::harness::{At, Check, OCTAVES};

@@ -16,14 +16,14 @@ use std::fmt::Write;
 const SIDE: u32 = 256;
 /// Functions that one channel of a picture tells whether they ran.
 const CHANNEL: usize = 24;
-/// What the first channel holds of them beside the number of a fault, which is below [`NUMBERS`].
+/// Share of the first channel beside the number of a fault, which is below [`NUMBERS`].
 const BESIDE: usize = 15;
 const NUMBERS: f32 = 128.0;
 
 /// Draws of a program that are always made.
 const FEW: u64 = 16_384;
 
-/// What the program of a probe begins with, behind the block of its parameters: random numbers of the fragment.
+/// Start of a probe's program, after its parameter block: random numbers of the fragment.
 const RANDOM: &str = "uvec3 drawn_state;\nuvec4 drawn_ran = uvec4(0u);
 float drawn_fault = 0.0;
 #include \"hash.glsl\"
@@ -74,7 +74,7 @@ const DIRECT: &str = include_str!("../glsl/exact_direct.glsl");
 /// The modules of these are asked for themselves.
 const ASKED: [&str; 10] =
     ["noise", "turbulence", "opacity", "softness", "jitter", "planes", "projection", "bandlimit", "wrap", "weights"];
-/// What bends light, whether the index changes or not.
+/// Modules that bend light, with or without a change of the index.
 const BENDING: &str = "\
     vec3 x = 0.75 * point().xyz;
     position_eye = (object_matrix * vec4(x, 1.0)).xyz;
@@ -84,7 +84,7 @@ const BENDING: &str = "\
     vec3 normal = interface_normal(x, x + 0.001, face);
     fragment = vec4(pull(x, medium) + bend(at, medium) + normal + face, density_at(x));
 ";
-/// What is classified in two phases, which rays ask for seldom.
+/// Modules that are classified in two phases, rarely called by rays.
 const IN_PHASES: &str = "\
 #ifdef TWO_PHASES
     float found = find_density(x);
@@ -94,7 +94,7 @@ const IN_PHASES: &str = "\
 #endif
 ";
 
-/// What was found of a function.
+/// Results of a function.
 #[derive(Default)]
 struct Found {
     /// Draws in which it ran.
@@ -149,7 +149,7 @@ fn numbered(library: &Library, functions: &mut Vec<String>) -> Library {
         let Some((before, noting)) = text.split_once("\n#include \"watch.glsl\"\n") else {
             return (path.to_string(), text.to_string());
         };
-        // What is included at the end calls what stands before it.
+        // The include at the end calls functions above it.
         let (before, last) = match before.trim_end().rsplit_once('\n') {
             Some((before, last)) if last.starts_with("#include") => (before, last),
             _ => (before, ""),
@@ -303,7 +303,7 @@ impl Watched {
     }
 }
 
-/// What [`each`] goes through; functions that few scenes call, and rays with all that they do, of each module.
+/// Programs of [`each`]: rarely called functions, and complete rays, of each module.
 fn each_drawn(library: &Library, mut on: impl FnMut(&str, &str, &Slots, &str)) {
     each(library, &mut on);
     let [march, light] = ["march.frag", "light.frag"].map(|file| {
@@ -333,7 +333,7 @@ fn each_drawn(library: &Library, mut on: impl FnMut(&str, &str, &Slots, &str)) {
     }
 }
 
-/// What is found of each function of the programs whose names are asked for: few draws of those that reach a file of their
+/// Results of each function of the named programs: few draws of those that reach a file of their
 /// own, or of all; then as many as asked for, of the program in which a function runs most often.
 fn found(gpu: &Gpu, library: &Library, asked: u64, is_asked: impl Fn(&str) -> bool) -> BTreeMap<String, Found> {
     let (mut found, mut seen, mut best) = (BTreeMap::new(), BTreeSet::new(), BTreeMap::<String, (u64, String)>::new());

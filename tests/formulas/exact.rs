@@ -127,7 +127,7 @@ pub fn both(before: &str, body: &str, inputs: &Inputs, values: &[[f64; 4]]) -> V
     found
 }
 
-/// What a body gives is what a function in Rust gives, to some ulp of the largest number in between.
+/// A GLSL body equals a function in Rust within some ulp of the largest intermediate number.
 fn agrees(before: &str, body: &str, expected: impl Fn([f64; 4]) -> [f64; 4]) {
     let scaled = points(300).into_iter().map(|p| p.map(|t| 6.0 * t - 3.0));
     let special = [[0.0; 4], [1.0; 4], [-1.0; 4], [0.5, -0.5, 2.0, 0.0], [-0.0, 1.5, 2.5, -2.5]];

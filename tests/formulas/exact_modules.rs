@@ -63,7 +63,7 @@ pub fn each(library: &Library, mut on: impl FnMut(&str, &str, &Slots, &str)) {
             (name, all, reached)
         })
         .collect();
-    // What glass classifies is clear: its probe shows the rest of it.
+    // Glass classifies as clear: its probe shows the other outputs.
     let of = |slots: &Slots, probe: &'static str| if slots["classify"] == ["clear"] { GLASS } else { probe };
     for (slot, probe, preset, beside) in SLOTS {
         for module in library.modules(slot) {
@@ -127,7 +127,7 @@ fn coordinates(pixel: u32) -> [f64; 4] {
     [f64::from(pixel % SIDE) + 0.5, f64::from(pixel / SIDE) + 0.5, 0.5, 1.0]
 }
 
-/// What the device may be off by at some pixels.
+/// Error bounds of the device at some pixels.
 fn allowed(given: &Probe, pixels: &[u32], factor: f64) -> Vec<f64> {
     let program = given.program();
     let bound = program.bind(&given.inputs).unwrap();
@@ -237,7 +237,7 @@ fn segments_hold(
         varyings: BTreeMap::from([(0, boxes.iter().map(|at| at.map(|x| Affine::between(x.lo, x.hi))).collect())]),
     };
     let whole = bound.run(&lanes).unwrap()[&0].clone();
-    let cut = bound.bounds(&lanes, |_, _| true).unwrap();
+    let cut = bound.bounds(&lanes, &|_, _| true).unwrap();
     for _ in 0..POINTS / 2 {
         let parts: Vec<f64> = boxes.iter().map(|_| random.unit()).collect();
         // Two places that are as far from the middle: what is linear cancels in the mean of both.

@@ -1,4 +1,4 @@
-//! What the figures of the papers show, measured on the density and the color of the shipped scenes.
+//! Figures of the papers, measured on the density and the color of the shipped scenes.
 
 use crate::density::mix;
 use crate::dual::{dual, place, scaled};

@@ -1,4 +1,4 @@
-//! What bends and tints light.
+//! Modules that bend and tint light.
 
 use crate::harness::{At, Check};
 use crate::values::{Random, Setting};

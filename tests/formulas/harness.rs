@@ -8,7 +8,7 @@ use hypertexture::scene::{ParameterValue, Scene, preset};
 use hypertexture::shader::{self, Library, Linker, Slots};
 use std::collections::BTreeMap;
 
-/// What a check shows a module with: the inputs `p0` to `p3` of a point, the outputs `out0` and `out1`.
+/// Harness of a check: the inputs `p0` to `p3` of a point, the outputs `out0` and `out1`.
 const ENTRY: &str = "#version 450
 #include \"interface.glsl\"
 #include \"vector.glsl\"
@@ -35,7 +35,7 @@ void main() {
 /// The vertex color of [`ENTRY`].
 pub const COLOR: DVec3 = DVec3::new(0.5, 0.75, 1.0);
 
-/// What fills the slots where a check does not say so.
+/// Default modules of the slots.
 const SLOTS: [(&str, &str); 25] = [
     ("absorption", "none"),
     ("bandlimit", "none"),
@@ -114,7 +114,7 @@ impl std::ops::Deref for At<'_> {
     }
 }
 
-/// What gives the inputs of a point.
+/// Generator of the inputs of a point.
 type Give = Box<dyn Fn(&mut Random, &Setting) -> [[f64; 4]; 4]>;
 
 pub struct Check {
@@ -150,7 +150,7 @@ impl Check {
         Check { linked, setting: Setting::new(parameters), textures, give }
     }
 
-    /// What gives the inputs of a point, where any numbers will not do.
+    /// Generator of constrained inputs of a point.
     pub fn given(mut self, give: impl Fn(&mut Random, &Setting) -> [[f64; 4]; 4] + 'static) -> Check {
         self.give = Box::new(give);
         self
@@ -221,7 +221,7 @@ impl Check {
         worst
     }
 
-    /// What `on` makes of all points of each setting.
+    /// Applies `on` to all points of each setting.
     pub fn each<T>(&self, on: impl Fn(&Setting, &[(At<'_>, [f64; 8])]) -> T) -> impl Iterator<Item = T> {
         let program = Program::read(&self.linked.fragment, &[(0, OCTAVES)]).unwrap_or_else(|error| panic!("{error}"));
         (0..SETTINGS).map(move |index| {
@@ -279,7 +279,7 @@ pub fn shipped() -> Library {
     shader::shipped()
 }
 
-/// What a wrong module has in its text: file, the text that is right, the text that is wrong.
+/// Mutation of a module: file, right text, wrong text.
 pub type Wrong = (&'static str, &'static str, &'static str);
 
 /// Passes if the check holds for the shipped modules, and fails for each of the wrong ones.

@@ -1,4 +1,4 @@
-//! What an octave leaves that is finer than a sample: the mean of its own noise (PH 3.1), so that clamping keeps the
+//! Limit of an octave finer than a sample: the mean of its noise (PH 3.1), so that clamping keeps the
 //! brightness. The means are measured here, of the noises in f64.
 
 use crate::dual::place;
@@ -88,7 +88,7 @@ fn means(library: &Library) -> f64 {
     worst
 }
 
-/// What blocks of turbulence take as the means of their octaves.
+/// Means of the octaves in blocks of turbulence.
 #[test]
 fn the_means_of_blocks_are_those_of_the_shader() {
     use hypertexture::noise::Weights;

@@ -1,4 +1,4 @@
-//! What soft matter looks like.
+//! Appearance of soft matter.
 
 use crate::density::mix;
 use crate::dual::{Place, moved, place, scaled, value};

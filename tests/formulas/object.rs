@@ -225,7 +225,7 @@ fn normalized(library: &Library) -> f64 {
     })
 }
 
-/// What all slopes here rest on.
+/// Basis of all slopes in this file.
 #[test]
 fn dual_numbers_differentiate() {
     let x = DVec3::new(0.3, -0.8, 1.7);

@@ -1,4 +1,4 @@
-//! What modules declare and what their sources say, proved by their own programs in f64 at random points.
+//! Declarations of modules and claims of their sources, proved by their own programs in f64 at random points.
 #![expect(clippy::unwrap_used, reason = "a test fails where a module is not as described")]
 
 use crate::probe::Probe;

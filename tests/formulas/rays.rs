@@ -1,4 +1,4 @@
-//! What rays and slices go by.
+//! Geometry of rays and slices.
 
 use crate::harness::{At, Check};
 use crate::knots::pcg3d;
@@ -79,7 +79,7 @@ fn projection(library: &Library, module: &str, formula: fn(&At<'_>) -> (DVec3, D
     })
 }
 
-/// What is left of a segment: the points of it on the kept side, by bisection of nothing but the plane.
+/// Rest of a segment: its points on the kept side, by bisection against the plane.
 fn plane(library: &Library) -> f64 {
     let text = "#include <clip>\nvoid check() {
             out0 = vec4(clipped(p0.xyz) ? 1.0 : 0.0, kept(p0.xyz, p1.xyz), 0.0);
@@ -187,7 +187,7 @@ fn blue(library: &Library) -> f64 {
     })
 }
 
-/// What is discarded gives nothing at all; what is kept gives no matter.
+/// Discarded fragments write nothing; kept ones write empty matter.
 fn rejected(library: &Library) -> f64 {
     let worst = ["discard", "keep"].map(|module| {
         let text = "#include <reject>\nvoid check() { out0 = p0; reject(out0); out1.x = 1.0; }";

@@ -1,4 +1,4 @@
-//! What a hard surface looks like.
+//! Appearance of a hard surface.
 
 use crate::dual::{Dual, place};
 use crate::harness::{At, COLOR, Check};

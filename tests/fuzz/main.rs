@@ -28,7 +28,7 @@ const INPUTS: u64 = 3000;
 const CHANGES: u64 = 6;
 /// Bytes of an input, at most.
 const LONGEST: usize = 4096;
-/// What breaks parsers.
+/// Inputs that break parsers.
 const WORDS: [&[u8]; 28] = [
     b"0",
     b"-1",

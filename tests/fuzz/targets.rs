@@ -15,9 +15,9 @@ use std::sync::OnceLock;
 /// A parser.
 pub struct Target {
     pub name: &'static str,
-    /// What it takes.
+    /// Accepted inputs.
     pub seeds: fn() -> Vec<Vec<u8>>,
-    /// What is done with bytes.
+    /// Function under test.
     pub run: fn(&[u8]),
 }
 
@@ -171,7 +171,7 @@ fn text(bytes: &[u8]) -> Option<String> {
     String::from_utf8(bytes.to_vec()).ok()
 }
 
-/// What is read of an object is finite and in range.
+/// An object that was read is finite and in range.
 fn mesh(read: Result<Shape, shape::ShapeError>) {
     match read {
         Ok(Shape::Mesh(mesh)) => {

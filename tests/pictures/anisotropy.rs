@@ -52,7 +52,7 @@ fn m57_tables_have_no_anisotropy() {
         (octaves.effect.turbulence, octaves.effect.noise) = ("octaves".into(), "tables".into());
         let mut segments = Scene::default();
         (segments.effect.classify, segments.effect.softness) = ("preintegrated".into(), "linear".into());
-        // What reads tables of one dimension (the transfer map, Perlin's) or two (segments), and no volume or block.
+        // Effects that read tables of one dimension (the transfer map, Perlin's) or two (segments), but no volume or block.
         for mut scene in [fire, octaves, segments] {
             (scene.object.input, scene.image.size) = ("sphere".into(), [12, 12]);
             let all = pictures(gpu, &scene, &[1.0, 16.0]);

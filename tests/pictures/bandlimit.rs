@@ -9,7 +9,7 @@ use hypertexture::scene::{Integration, ParameterValue, Part, Pass, Projection, S
 use hypertexture::shader::{self, Library};
 use measure::reference::{converged_settings, reference_pixels};
 
-/// What sums octaves: where it is put, and the parameter that says how fine the first octave is, for coarse and fine samples.
+/// Modules that sum octaves: slot, and the frequency parameter of the first octave, for coarse and fine samples.
 struct Sum {
     name: &'static str,
     put: fn(&mut Scene),

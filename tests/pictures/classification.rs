@@ -76,7 +76,7 @@ fn m05_the_three_agree_where_the_transfer_map_is_smooth() {
     });
 }
 
-/// What tables hold is what the modules say, a person's own among them.
+/// Tables hold the values of the modules, custom ones included.
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn m05_tables_hold_what_modules_of_opacity_and_softness_say() {

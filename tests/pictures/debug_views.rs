@@ -49,7 +49,7 @@ fn m41_the_planes_of_noise_and_of_its_gradient_are_those_of_the_lattice() {
     };
     with_gpu(|gpu| {
         let library = shader::shipped();
-        // What a block of four texels a cell loses, and what rounding loses where noise is computed in place.
+        // Loss of a block of four texels a cell, and of rounding in computed noise.
         for (noise, period, value, direction) in [("procedural", 1 << 20, 2e-5, 2e-3), ("block", 16, 0.06, 0.35)] {
             let show = |surface: &str| {
                 face(gpu, &library, surface, |scene| {

@@ -1,4 +1,4 @@
-//! What DMFs make of the soft region, in f64: layers, the hair of PH 2.4, kinds of DMFs, and optical properties by noise.
+//! DMFs in the soft region, in f64: layers, the hair of PH 2.4, kinds of DMFs, and optical properties by noise.
 
 use crate::common::{box_subject, homogeneous, picture, rays, subject, with_gpu};
 use crate::lattice::noise;
@@ -349,7 +349,7 @@ fn p40_more_gain_forces_less_amplitude_so_that_the_steepest_slope_stays() {
     });
 }
 
-/// What a DMF does when one thing alone is changed that it may know.
+/// Response of a DMF to a change of a single input.
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p04_a_dmf_changes_with_what_its_kind_says_and_with_nothing_else() {

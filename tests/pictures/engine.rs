@@ -1,4 +1,4 @@
-//! What an engine brings: a camera as matrices, and objects in memory, against the closed form of a homogeneous ball.
+//! Inputs of an engine: a camera as matrices, and objects in memory, against the closed form of a homogeneous ball.
 
 use crate::common::{formula, homogeneous, picture, with_gpu};
 use glam::{DMat4, DVec3, EulerRot, Mat3, Mat4, Quat, Vec3, Vec4};

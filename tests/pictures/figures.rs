@@ -92,7 +92,7 @@ fn g03_what_moves_neither_pops_nor_flickers() {
             println!("{name}: a frame changes by {one:.4}, at most {most:.4}; three frames by {three:.4}");
             assert!(one > 1e-4, "{name} does not move");
             assert!(most < 1.6 * one, "{name} pops: {most} in one frame, {one} in the mean");
-            // What moves steadily is after three frames farther away; what flickers is not.
+            // Steady motion is farther away after three frames; flicker is not.
             assert!(three > 1.6 * one, "{name} flickers: {three} in three frames, {one} in one");
         }
     });

@@ -18,7 +18,7 @@ fn probe(module: &str, text: &str) -> (Scene, Library) {
     (scene, shader::shipped().with_module("surface", module, text))
 }
 
-/// What a picture has where the front face is, with its place on it.
+/// Pixels of the front face, with their place on it.
 fn face(gpu: &Gpu, library: &Library, scene: &Scene, subject: &Subject) -> Vec<(DVec3, [f64; 3])> {
     let frame: Frame = picture(gpu, library, scene, subject);
     let inside = |p: DVec3| p.x.abs().max(p.y.abs()) < 0.99;

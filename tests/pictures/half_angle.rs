@@ -27,7 +27,7 @@ fn lit(object: &str, rate: f64, light: DVec3) -> Scene {
     scene
 }
 
-/// What is seen of homogeneous matter along a ray: the light in it, `left` after so much matter on its way, by depth.
+/// Color of homogeneous matter along a ray; `left` is the light that remains, by depth.
 fn seen(
     ray: &Ray,
     rate: f64,

@@ -1,4 +1,4 @@
-//! What is said to be ignored changes no bit of the picture, and what is not said to be does.
+//! Settings reported as ignored change no bit of the picture; the others do.
 #![expect(clippy::unwrap_used, reason = "a test fails where a scene is not as described")]
 
 use crate::common::{picture, subject, with_gpu};
@@ -84,7 +84,7 @@ const FIELDS: [(&str, &str); 68] = [
     ("light.scatter", "0.7"),
 ];
 
-/// What is ignored and not said to be: hair and slices of flames read no normal that the module makes, but a compiler that has
+/// Settings that are ignored without a report: hair and slices of flames read no normal that the module makes, but a compiler that has
 /// seen it orders what is left in another way; a highlight of strength 0 that is kept is another program. What cannot be
 /// decided is not said.
 const UNDECIDED: [(&str, &str); 3] = [

@@ -146,7 +146,7 @@ fn a_value_that_is_pulled_to_zero_keeps_its_program() {
             assert!(!pictures[0].modules.contains(parameter), "{effect}");
             let cells = pictures[1].cells.as_ref().expect("a program that reads cells");
             assert!(effect == "melting" || cells.side > 0, "{effect}: {cells:?}");
-            // What is linked without the terms does not serve a scene that has them.
+            // A program linked without the terms does not serve a scene with them.
             let mut renderer = Renderer::new(gpu, &library, &subject);
             let modules = [(0.0, 16), (value, 16)].map(|(value, side)| draw(&mut renderer, value, side).modules);
             assert!(modules[0].contains(parameter) && !modules[1].contains(parameter), "{modules:?}");

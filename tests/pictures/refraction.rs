@@ -19,7 +19,7 @@ fn library() -> Library {
 
 const GLASS: [(f32, f32); 2] = [(0.0, 1.0), (0.5, 1.5)];
 
-/// What the surroundings are asked by a ray.
+/// Query of the environment by a ray.
 fn probed(gpu: &Gpu, scene: &Scene, subject: &Subject) -> Vec<[DVec3; 2]> {
     cases::exit_rays(gpu, &library(), scene, subject).unwrap_or_else(|error| panic!("{error}"))
 }
@@ -41,7 +41,7 @@ fn object_rays(scene: &Scene, subject: &Subject) -> Vec<Ray> {
 /// Where a ray meets a surface next, and the surface's normal.
 type Surface<'a> = &'a dyn Fn(DVec3, DVec3) -> Option<(f64, DVec3)>;
 
-/// What an exact tracer says of a ray through glass of index 1.5 in the air.
+/// Exact trace of a ray through glass of index 1.5 in the air.
 struct Traced {
     /// Sums over the shares of the light.
     direction: DVec3,
@@ -325,7 +325,7 @@ fn p28_surroundings_beside_glass_are_as_they_are_without_it() {
     });
 }
 
-/// What is behind glass that hardly bends light is as sharp as behind glass that does not bend it.
+/// Objects behind glass of an index near 1 are as sharp as behind an index of 1.
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p28_a_picture_goes_on_steadily_where_the_index_begins() {

@@ -20,7 +20,7 @@ use clap::{Args, Parser, Subcommand};
 #[derive(Parser)]
 #[command(name = "hypertexture", version, max_term_width = 100)]
 pub struct Arguments {
-    /// What to do.
+    /// Command.
     #[command(subcommand)]
     pub command: Command,
     /// Part of the name of the Vulkan device to use.
@@ -31,7 +31,7 @@ pub struct Arguments {
     pub quiet: bool,
 }
 
-/// What the program does.
+/// Commands.
 #[derive(Subcommand)]
 pub enum Command {
     /// Render a picture.
@@ -49,36 +49,36 @@ pub enum Command {
     Gallery(GalleryArguments),
     /// Measure error against run time: noise implementations, samples, blocks, formats and integrations, with a report.
     Compare(Box<Compare>),
-    /// Say what a picture is made with and what its scene leaves out. Each has its reason and its saving.
+    /// Explain a picture: its inputs, its program and the work that its scene leaves out, with reasons and savings.
     Explain(Box<Explain>),
-    /// What a mesh or a volume holds: counts, box, open edges, range of values, iso-values worth looking at.
+    /// Describe a mesh or a volume: counts, box, open edges, range of values, proposed iso-values.
     Info(Info),
     /// Write a volume or a mesh in another format, or values without a header as a volume.
     Convert(Convert),
-    /// Measure what effects, example scenes and fields cost on this device. --baseline says what got slower since a saved run.
+    /// Measure the cost of effects, example scenes and fields on this device. --baseline compares with a saved run.
     Bench(Bench),
     /// List the effects and their parameters.
     Effects,
-    /// List every setting of a scene: its default, what it may be, its flag.
+    /// List every setting of a scene: default, range, flag.
     Settings,
-    /// Drive the method to its ends, or a scene to the ends of its ranges: error against stiffness.
+    /// Stress-test extreme parameters, or those of a scene, and tabulate the error.
     Stress(Box<Stress>),
     /// Check the device against reference scenes, or a picture against the scene in it. The reference scenes are analytic and drawn by
     /// both passes.
     Verify(Verify),
-    /// Say which device was found, what is missing, and test what the renderer relies on.
+    /// Describe the device, name what is missing, and run self-tests.
     Doctor(Doctor),
     /// Write completions for a shell to standard output.
     Completions(Completions),
     /// Write a manual page, for `man`, to standard output.
     Man(Man),
-    /// Draw the pictures that standard input asks for: what `compare`, `gallery` and `--max-error` draw with.
+    /// Draw the pictures that standard input asks for: the worker of `compare`, `gallery` and `--max-error`.
     #[command(hide = true)]
     Draw,
-    /// Compile the job on standard input: what a user's GLSL goes through for each program.
+    /// Compile the job on standard input: a program with a user's GLSL.
     #[command(hide = true)]
     Compile(Compile),
-    /// Try the modules of the scene on standard input: what a user's GLSL goes through first.
+    /// Try the user's modules of the scene on standard input.
     #[command(hide = true)]
     Try(Try),
 }
@@ -86,7 +86,7 @@ pub enum Command {
 /// Arguments of `doctor`.
 #[derive(Args)]
 pub struct Doctor {
-    /// Everything as JSON.
+    /// Print JSON.
     #[arg(long)]
     pub json: bool,
 }
@@ -94,14 +94,14 @@ pub struct Doctor {
 /// Arguments of `completions`.
 #[derive(Args)]
 pub struct Completions {
-    /// The shell that reads them.
+    /// Shell.
     pub shell: clap_complete::Shell,
 }
 
 /// Arguments of `man`.
 #[derive(Args)]
 pub struct Man {
-    /// The command that the page is about, such as render; without one, the program.
+    /// Command of the page, such as render [default: the program].
     pub command: Option<String>,
 }
 

@@ -1,9 +1,9 @@
-//! The command line as `-h` shows it, on one screen: what is used most, and examples. `--help` shows all.
+//! Help on one screen: the flags that are used most, and two examples. `--help-all` prints every flag.
 
 use super::args::Arguments;
-use clap::{Command, CommandFactory, FromArgMatches};
+use clap::{Arg, ArgAction, Command, CommandFactory, FromArgMatches};
 
-/// Of each command the flags that `-h` shows, and examples.
+/// Flags in the short help of each command, and examples.
 const BRIEF: [(&str, &[&str], [&str; 2]); 18] = [
     (
         "render",
@@ -77,12 +77,12 @@ const BRIEF: [(&str, &[&str], [&str; 2]); 18] = [
     ("completions", &[], ["completions bash", "completions fish > hypertexture.fish"]),
     ("man", &[], ["man | man -l -", "man render > hypertexture-render.1"]),
 ];
-/// Help of the program, which has more commands than a screen has lines to spare.
+/// Help of the program, with fewer blank lines than clap's.
 const TEMPLATE: &str = "{about}\n{usage-heading} {usage}\n\nCommands:\n{subcommands}\nOptions:\n{options}{after-help}";
 /// Examples of the program.
 const FIRST: [&str; 2] = ["render teapot --effect fur -o fur.png", "view fire_ball"];
 
-/// The command line, with what `-h` leaves out.
+/// The command line with short and long help.
 pub fn command() -> Command {
     let program = Arguments::command().help_template(TEMPLATE);
     shown(program, &["quiet"], FIRST).mut_subcommands(|command| {
@@ -104,7 +104,7 @@ pub fn parse() -> Result<Arguments, clap::Error> {
     Arguments::from_arg_matches(&matches).map_err(|error| error.format(&mut command))
 }
 
-/// The command with these flags in `-h`, each by the first clause of its help, and examples behind them.
+/// Adds short help with these flags, each with the first clause of its help, and examples below them.
 fn shown(command: Command, flags: &[&str], examples: [&str; 2]) -> Command {
     let about = command.get_about().map(ToString::to_string).unwrap_or_default();
     let brief = |help: &str| {
@@ -118,6 +118,10 @@ fn shown(command: Command, flags: &[&str], examples: [&str; 2]) -> Command {
         let is_shown = argument.get_long().is_none_or(|long| flags.contains(&long));
         argument.help(brief(&help)).long_help(help).hide_short_help(!is_shown)
     });
+    let help = |name, action| Arg::new(name).long(name).action(action);
+    let short = help("help", ArgAction::HelpShort).short('h').help("Print this help");
+    let long = help("help-all", ArgAction::HelpLong).help("Print every option");
+    let command = command.disable_help_flag(true).arg(short).arg(long);
     command.about(brief(&about)).long_about(about).after_help(examples)
 }
 
@@ -126,7 +130,7 @@ mod tests {
     use super::*;
     use clap::Parser;
 
-    /// Lines and columns of a screen that `-h` fits on.
+    /// Lines and columns of a screen.
     const SCREEN: [usize; 2] = [30, 100];
 
     #[test]
@@ -154,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn every_flag_that_short_help_is_to_show_is_one() {
+    fn every_flag_of_the_short_help_exists() {
         for (name, flags, _) in BRIEF {
             if let Some(command) = command().find_subcommand(name) {
                 let known: Vec<&str> = command.get_arguments().filter_map(|argument| argument.get_long()).collect();

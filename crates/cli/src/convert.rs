@@ -11,32 +11,32 @@ use support::write_whole;
 /// Arguments of `convert`.
 #[derive(Args)]
 pub struct Convert {
-    /// A volume or a mesh: any that `render` takes, or values without a header and what they are.
+    /// A volume or a mesh that `render` takes, or values without a header.
     pub input: String,
     /// The grid of an OpenVDB file with several.
     #[arg(long, value_name = "NAME", conflicts_with = "dims")]
     pub grid: Option<String>,
-    /// Where it goes: .nrrd, .mha, .nii, .nii.gz, .vdb or .npy; a mesh .stl, .ply, .obj or .glb.
+    /// Output: .nrrd, .mha, .nii, .nii.gz, .vdb or .npy; of a mesh .stl, .ply, .obj or .glb.
     #[arg(long, short, value_name = "FILE")]
     pub output: PathBuf,
-    /// Values without a header: how many along x, y and z, x fastest.
+    /// Number of values along x, y and z, x fastest, of a file without a header.
     #[arg(long, value_delimiter = ',', value_name = "X,Y,Z")]
     pub dims: Option<Vec<u32>>,
-    /// Their type, as NumPy calls it: uint8, int8, uint16, int16, uint32, int32, uint64, int64, float32 or float64.
+    /// Type of values without a header: uint8, int8, uint16, int16, uint32, int32, uint64, int64, float32 or float64.
     #[arg(long = "type", requires = "dims", value_name = "TYPE")]
     pub kind: Option<SampleType>,
-    /// Order of their bytes.
+    /// Byte order of values without a header.
     #[arg(long, requires = "dims", value_parser = ["little", "big"], default_value = "little")]
     pub endian: String,
-    /// World units from one to the next along x, y and z.
+    /// Distance of neighboring values along x, y and z, world units.
     #[arg(long, requires = "dims", value_delimiter = ',', value_name = "X,Y,Z")]
     pub spacing: Option<Vec<f64>>,
-    /// Bytes before them; without, they are the end of the file.
+    /// Bytes before the first value [default: the values end the file].
     #[arg(long, requires = "dims", value_name = "BYTES")]
     pub skip: Option<u64>,
 }
 
-/// Reads it, and writes it.
+/// Converts a file.
 pub(super) fn run(command: &Convert, quiet: bool) -> Result<(), Box<dyn Error>> {
     let path = &command.output;
     let (volume, mesh) = (VolumeFormat::from_path(path), MeshFormat::from_path(path));
@@ -85,7 +85,7 @@ pub(super) fn run(command: &Convert, quiet: bool) -> Result<(), Box<dyn Error>> 
     Ok(())
 }
 
-/// The numbers of three axes, if they are three.
+/// Exactly three numbers.
 fn three<T: Copy>(numbers: &[T]) -> Option<[T; 3]> {
     numbers.try_into().ok()
 }

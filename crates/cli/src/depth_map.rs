@@ -1,4 +1,4 @@
-//! `render --depth-map`: how far away each pixel is, as compositors read it.
+//! `render --depth-map`: the depth of each pixel in an EXR file for compositors.
 
 use super::absolute;
 use super::picture::Picture;

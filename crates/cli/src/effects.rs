@@ -6,7 +6,7 @@ use hypertexture::scene::{self, ParameterValue};
 use hypertexture::shader::{self, ParameterKind};
 use std::error::Error;
 
-/// Lists them.
+/// Prints the list.
 pub(super) fn run() -> Result<(), Box<dyn Error>> {
     let library = shader::shipped();
     let mut text = String::new();

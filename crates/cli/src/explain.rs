@@ -1,4 +1,4 @@
-//! `explain`: what a picture is made with, what its scene leaves out and why, and what that saves.
+//! `explain`: inputs and program of a picture, the work that its scene leaves out, reasons and savings.
 
 use super::picture::say_fault;
 use super::scene_arguments::{ObjectFlags, SceneArguments};
@@ -18,28 +18,28 @@ use serde_json::json;
 use std::error::Error;
 use support::words;
 
-/// Pictures of a scene that are held against as many of another.
+/// Pictures of each of two scenes that are compared.
 const PICTURES: usize = 3;
-/// Times that are spread by no more than this part of the least were not disturbed.
+/// Spread of undisturbed times, in parts of the least.
 const STEADY: f64 = 0.5;
 
 /// Arguments of `explain`.
 #[derive(Args)]
 pub struct Explain {
-    /// What `render` takes: an object, a scene file, an example scene, or a picture that this program has written.
+    /// An object, a scene file, an example scene, or a picture of this program.
     pub input: String,
-    /// Everything as JSON.
+    /// Print JSON.
     #[arg(long)]
     pub json: bool,
     /// The object.
     #[command(flatten)]
     pub object: ObjectFlags,
-    /// What the picture shows.
+    /// The scene.
     #[command(flatten)]
     pub arguments: SceneArguments,
 }
 
-/// Draws the picture, and again without each of the things that leave work out.
+/// Draws the picture, and again without each saving.
 pub(super) fn run(command: &Explain, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     let scene = command.arguments.scene(&command.input, &command.object)?;
     let library = super::library(&scene)?;
@@ -68,21 +68,21 @@ pub(super) fn run(command: &Explain, options: &Options, quiet: bool) -> Result<(
     Ok(())
 }
 
-/// The parts of a picture, and its times beside those of fuller ones.
+/// Parts of a picture, and its time beside the time without each saving.
 struct Explained {
     made_with: Vec<[String; 2]>,
-    /// Milliseconds of it on the device.
+    /// Milliseconds on the device.
     times: Vec<f64>,
     others: Vec<Other>,
 }
 
-/// A picture that costs more, held against that of the scene.
+/// A picture without one saving, compared with the scene's.
 #[derive(Serialize)]
 struct Other {
     how: &'static str,
     #[serde(skip)]
     saves: &'static str,
-    /// Milliseconds on the device, and those of the scene, drawn by turns.
+    /// Milliseconds on the device, and those of the scene, drawn alternately.
     times_ms: Vec<f64>,
     scene_times_ms: Vec<f64>,
     /// Largest difference of a channel.
@@ -109,7 +109,7 @@ fn explain(
 ) -> Result<Explained, Box<dyn Error>> {
     let warm = |scene: &Scene| -> Result<(Renderer, Frame), RenderError> {
         let mut renderer = Renderer::new(gpu, library, subject);
-        // Not the first: slices leave out empty space from the second one on.
+        // The second one: slices leave out empty space from there on.
         renderer.render(scene)?;
         let frame = renderer.render(scene)?;
         Ok((renderer, frame))
@@ -132,7 +132,7 @@ fn explain(
         let (mut fuller, full) = warm(&other)?;
         let differences =
             frame.pixels.as_flattened().iter().zip(full.pixels.as_flattened()).map(|(a, b)| f64::from((a - b).abs()));
-        // By turns: what else the machine does slows both down.
+        // Alternately: other load of the machine slows both down.
         let [scene_times_ms, times_ms] = by_turns([(&mut renderer, scene), (&mut fuller, &other)])?;
         times.extend(scene_times_ms.iter());
         others.push(Other { how, saves, times_ms, scene_times_ms, difference: largest(differences) });
@@ -152,7 +152,7 @@ fn ends(times: &[f64]) -> [f64; 2] {
     [0.0, 1.0].map(|share| quantile(times.to_vec(), share))
 }
 
-/// The times of pictures of some scenes, drawn by turns.
+/// Times of the pictures of some scenes, drawn alternately.
 fn by_turns<const N: usize>(mut scenes: [(&mut Renderer, &Scene); N]) -> Result<[Vec<f64>; N], RenderError> {
     let mut times = [const { Vec::new() }; N];
     for _ in 0..PICTURES {
@@ -163,8 +163,7 @@ fn by_turns<const N: usize>(mut scenes: [(&mut Renderer, &Scene); N]) -> Result<
     Ok(times)
 }
 
-/// What one picture saves of the time of another: from how much to how much, where their times lie further apart than those of
-/// either are spread.
+/// Range of the time saved by one picture against another; `None` where their spreads overlap.
 fn saved(saves: &str, times: &[f64], others: &[f64]) -> String {
     let ([least, most], [least_other, most_other]) = (ends(times), ends(others));
     let apart = (least_other - most).max(least - most_other);
@@ -180,22 +179,22 @@ fn saved(saves: &str, times: &[f64], others: &[f64]) -> String {
     }
 }
 
-/// The median of some times, and from which to which they are.
+/// Median and range of times.
 fn spread(times: &[f64]) -> String {
     let [least, most] = ends(times);
     format!("{:.1} ms ({least:.1} to {most:.1})", median(times))
 }
 
-/// A picture that costs more.
+/// A scene without one saving.
 struct More {
-    /// How it is drawn.
+    /// The change.
     how: &'static str,
-    /// What the scene does in place of that.
+    /// The saving of the scene.
     saves: &'static str,
     change: fn(&mut Scene),
 }
 
-/// The pictures that a scene is held against.
+/// The scene without each of its savings.
 fn without(scene: &Scene) -> [More; 4] {
     [
         More {
@@ -239,7 +238,7 @@ mod tests {
             ([18.0, 20.0, 20.0], [9.0, 10.0, 11.0], "-122 to -64 %"),
             ([10.0; 3], [20.0; 3], "50 %"),
             ([9.0, 10.0, 11.0], [10.5, 12.0, 13.0], "nothing beyond the spread"),
-            // Apart by less than they are spread: a chance of one in ten.
+            // Overlapping spreads: a chance of one in ten.
             ([9.0, 10.0, 11.0], [11.5, 12.0, 12.5], "nothing beyond the spread"),
             ([9.0, 10.0, 30.0], [19.0, 20.0, 40.0], "an amount that cannot be measured now"),
             ([40.0, 95.0, 110.0], [30.0, 35.0, 38.0], "an amount that cannot be measured now"),

@@ -2,7 +2,7 @@
 //! With `HYPERTEXTURE_FAULTS=all` each call does; else the first of every function, and some of the others.
 
 use super::args::{Arguments, Command};
-use super::carry_out;
+use super::program::carry_out;
 use clap::Parser;
 use hypertexture::gpu::{Gpu, Options};
 use hypertexture::render::Subject;

@@ -18,18 +18,18 @@ use support::{significant, write_whole};
 pub struct Field {
     /// A built-in object, a mesh, a scalar volume or a distance field.
     pub input: String,
-    /// Where the field goes: .nrrd, .mha, .nii, .nii.gz, .vdb or .npy.
+    /// Output: .nrrd, .mha, .nii, .nii.gz, .vdb or .npy.
     #[arg(long, short, default_value = "field.nrrd", value_name = "FILE")]
     pub output: PathBuf,
     /// The object.
     #[command(flatten)]
     pub object: ObjectFlags,
-    /// How far the field reaches beyond the object; 1 is half of its longest side.
+    /// Margin around the object; 1 is half of its longest side.
     #[arg(long, default_value_t = 0.25, allow_negative_numbers = true)]
     pub margin: f32,
 }
 
-/// Computes the field, and writes it.
+/// Computes and writes the field.
 pub(super) fn run(command: &Field, quiet: bool) -> Result<(), Box<dyn Error>> {
     let known = VolumeFormat::from_path(&command.output);
     let format = known.ok_or_else(|| format!("--output {}: end the name in {ENDS}", command.output.display()))?;
@@ -80,7 +80,7 @@ pub(super) fn run(command: &Field, quiet: bool) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Why a field has no sample inside.
+/// Explanation of a field without a sample inside.
 fn without_inside(shape: &Shape) -> &'static str {
     match shape {
         Shape::Mesh(mesh) if mesh.enclosed().is_nothing => Mesh::ENCLOSES_NOTHING,

@@ -1,14 +1,14 @@
-//! Flags that are settings of a scene: those that the schema says.
+//! Flags of scene settings, generated from the schema.
 
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
 use hypertexture::scene::schema::{Flag, Kind, SETTINGS, Setting};
 use hypertexture::scene::{Scene, SceneError};
 
-/// A range up to here is too wide to say anything.
+/// Limit of a range from which on help does not print it.
 const WIDE: f32 = 1e6;
 
-/// The settings that were given, as they were written: those of objects, or all others.
+/// Settings given by flags, as written: those of objects, or all others.
 #[derive(Clone, Default)]
 pub struct Flags<const OBJECT: bool>(Vec<(&'static Setting, String)>);
 
@@ -23,7 +23,7 @@ impl<const OBJECT: bool> Flags<OBJECT> {
         self.0.iter().any(|(setting, _)| setting.name == name)
     }
 
-    /// Puts what was given over a scene.
+    /// Overrides settings of a scene.
     ///
     /// # Errors
     /// A value that the setting does not take.
@@ -35,7 +35,7 @@ impl<const OBJECT: bool> Flags<OBJECT> {
     }
 }
 
-/// A value of the command line as `--set` takes it.
+/// Value of a flag in the notation of `--set`.
 fn value(setting: &Setting, text: &str) -> Result<String, SceneError> {
     let (separator, between, count) = match setting.kind {
         _ if setting.optional.is_some() && text == "none" => return Ok(String::new()),
@@ -89,7 +89,7 @@ fn argument(setting: &'static Setting, flag: Flag) -> Arg {
 
 impl<const OBJECT: bool> Args for Flags<OBJECT> {
     fn augment_args(command: Command) -> Command {
-        // A command may have a flag of its own that is called so, as the grid of `mesh`: it takes the setting by `--set`.
+        // A command's own flag takes precedence, such as --grid of `mesh`; the setting is given by --set.
         let is_taken = |command: &Command, flag: Flag| command.get_arguments().any(|own| own.get_id() == flag.name);
         Self::settings().fold(command, |command, (setting, flag)| match is_taken(&command, flag) {
             true => command,
@@ -104,7 +104,7 @@ impl<const OBJECT: bool> Args for Flags<OBJECT> {
 
 impl<const OBJECT: bool> FromArgMatches for Flags<OBJECT> {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        // One of another type is the command's own.
+        // A flag of another type is the command's own.
         let text = |flag: Flag| matches.try_get_one::<String>(flag.name).ok().flatten();
         let given = |(setting, flag): (&'static Setting, Flag)| Some((setting, text(flag)?.clone()));
         Ok(Flags(Self::settings().filter_map(given).collect()))

@@ -25,13 +25,13 @@ use support::{probe, write_whole};
 pub(super) struct GalleryArguments {
     /// The object of the six effects; without one, every example scene has its own object.
     pub input: Option<String>,
-    /// Where pictures and page go.
+    /// Output folder.
     #[arg(long, short, default_value = "out", value_name = "FOLDER")]
     pub output: PathBuf,
     /// Width and height in pixels.
     #[arg(long, default_value = "320x320", value_parser = size, value_name = "WxH")]
     pub size: [u32; 2],
-    /// Samples of a ray through the object; what the scene says without it.
+    /// Samples of a ray through the object [default: the scene's].
     #[arg(long)]
     pub samples: Option<u32>,
     /// The object.
@@ -39,7 +39,7 @@ pub(super) struct GalleryArguments {
     pub object: ObjectFlags,
 }
 
-/// Why there is no gallery.
+/// Errors of the gallery.
 #[derive(Debug, thiserror::Error)]
 pub enum GalleryError {
     /// A scene is not valid.
@@ -53,13 +53,13 @@ pub enum GalleryError {
     Output(#[from] OutputError),
 }
 
-/// Voxels along the longest side of the field. Fewer: thin parts, such as the lip of the teapot, look frayed.
+/// Voxels along the longest side of the field. Lower frays thin parts, such as the lip of the teapot.
 const RESOLUTION: u32 = 256;
 
-/// Background of a picture that has none: that of the page.
+/// Background of the page, for pictures without one.
 const BACKGROUND: Color = Color([24, 26, 31]);
 
-/// Renders the scenes, and writes the page.
+/// Renders the scenes and writes the page.
 pub(super) fn run(command: &GalleryArguments, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     let library = shader::shipped();
     let gpu = Gpu::new(options)?;
@@ -73,7 +73,7 @@ pub(super) fn run(command: &GalleryArguments, options: &Options, quiet: bool) ->
         smooth(scene);
         command.object.apply(scene)?;
     }
-    // The folder is made with the first picture; whether it can be is known before.
+    // Checked before the first picture, which creates the folder.
     let existing = command.output.ancestors().find(|folder| folder.exists()).unwrap_or(Path::new("."));
     let existing = if existing.as_os_str().is_empty() { Path::new(".") } else { existing };
     let possible = match command.output.metadata() {
@@ -129,17 +129,17 @@ fn example(name: &str) -> Result<(String, Scene), SceneError> {
     Ok((name.to_string(), scene))
 }
 
-/// What was written.
+/// Result of a gallery.
 #[derive(Clone, Debug)]
 pub struct Gallery {
     /// The page.
     pub page: PathBuf,
-    /// Scenes without a picture, and why: the driver ended by them.
+    /// Scenes that crashed the driver, and its message.
     pub failures: Vec<(String, String)>,
 }
 
-/// Renders the scenes into `folder` and writes `index.html` there. With `start`, workers draw: a scene by which the driver
-/// ends has no picture, and the others have theirs.
+/// Renders the scenes into `folder` and writes `index.html` there. With `start`, workers draw, and a scene that crashes the driver
+/// is left out.
 ///
 /// # Errors
 /// A scene that cannot be drawn, or a file that cannot be written.
@@ -220,20 +220,20 @@ pub fn write(
 /// Headings of the page.
 const GROUPS: [&str; 3] = ["Miller and Jones 2005", "Perlin and Hoffert 1989", "and more"];
 
-/// The heading that a scene belongs under: the paper that its sentence names first.
+/// Heading of a scene: the first paper that its description names.
 fn group(about: &str) -> usize {
     let place = |title: &&str| about.find(*title);
     let named = (0..2).filter(|&group| place(&GROUPS[group]).is_some());
     named.min_by_key(|&group| place(&GROUPS[group])).unwrap_or(2)
 }
 
-/// An object that scenes share, and its field once it is there.
+/// An object that scenes share, and its field once loaded.
 struct Shared {
     object: Object,
-    /// How far the field reaches: its voxels lie elsewhere where it reaches farther, and a picture is to be that of its scene.
+    /// Margin of the field. It decides where voxels lie, so scenes share a field only with equal margins.
     margin: f32,
     closest: bool,
-    /// A scene of several objects shares them with no other.
+    /// The scene, if it has several objects: it shares none of them.
     alone: Option<Scene>,
     subject: Option<Subject>,
     worker: Option<Worker>,
@@ -250,7 +250,7 @@ impl Shared {
         }
     }
 
-    /// A picture of the object, which is loaded for the first one: by a worker, or here.
+    /// Draws a picture of the object, by a worker or in this process; loads the object for the first one.
     fn draw(
         &mut self,
         gpu: &Gpu,
@@ -281,7 +281,7 @@ impl Shared {
     }
 }
 
-/// The objects of the scenes, each once.
+/// Objects of the scenes without duplicates.
 fn objects(library: &Library, scenes: &[(String, Scene)]) -> Result<Vec<Shared>, RenderError> {
     let mut objects: Vec<Shared> = Vec::new();
     for (_, scene) in scenes {
@@ -302,7 +302,7 @@ fn objects(library: &Library, scenes: &[(String, Scene)]) -> Result<Vec<Shared>,
     Ok(objects)
 }
 
-/// How far the soft region of a scene reaches, object units.
+/// Reach of the soft region of a scene, object units.
 fn margin(scene: &Scene, variant: &Variant) -> f32 {
     variant.parameters.outer_iso().unwrap_or(scene.object.outer_iso)
 }

@@ -1,4 +1,4 @@
-//! `info`: what a file holds, before anything is made of it.
+//! `info`: the contents of a mesh or a volume.
 
 use super::{say, say_json};
 use clap::Args;
@@ -20,12 +20,12 @@ pub struct Info {
     /// The grid of an OpenVDB file with several.
     #[arg(long, value_name = "NAME")]
     pub grid: Option<String>,
-    /// Everything as JSON.
+    /// Print JSON.
     #[arg(long)]
     pub json: bool,
 }
 
-/// Reads the file, and says what is in it.
+/// Reads and describes a file.
 pub(super) fn run(command: &Info) -> Result<(), Box<dyn Error>> {
     let facts = Facts::of(&command.input, command.grid.as_deref())?;
     if command.json {
@@ -46,7 +46,7 @@ pub(super) fn run(command: &Info) -> Result<(), Box<dyn Error>> {
     if let Some(histogram) = &facts.histogram {
         text += &format!("histogram  {}\n", chart(histogram));
     }
-    // The flag that says what the surface of the picture is.
+    // The flag that chooses the surface of the picture.
     let flag = match facts.iso_values.first() {
         _ if facts.is_like_distances => " --distance".into(),
         Some(iso) => format!(" --iso {iso}"),
@@ -62,7 +62,7 @@ pub(super) fn run(command: &Info) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Bars as long as the logarithm of the voxels, and how much the values change there.
+/// Histogram: bars of the logarithm of the number of voxels, and the mean gradient.
 fn chart(histogram: &Histogram) -> String {
     let each = histogram.counts.len() / ROWS;
     let (low, high) = (f64::from(histogram.range.0), f64::from(histogram.range.1));

@@ -3,8 +3,8 @@
 use log::{Level, LevelFilter, Log, Metadata, Record};
 
 struct Stderr {
-    /// Whether libraries are heard, down to what informs: what they say is nothing that a person can act upon, and one of them
-    /// traces every instruction of a program.
+    /// Whether messages of libraries pass, down to level info. Users cannot act upon them, and one library traces every
+    /// instruction of a program.
     libraries: bool,
 }
 

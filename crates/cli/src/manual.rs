@@ -1,4 +1,4 @@
-//! Completions for shells, and manual pages: both made of the arguments themselves.
+//! Shell completions and manual pages, generated from the arguments.
 
 use super::brief;
 use clap::Command;
@@ -7,7 +7,7 @@ use clap_mangen::Man;
 use hypertexture::scene::SceneError;
 use std::error::Error;
 
-/// The script that makes this shell complete the program's arguments.
+/// Completion script of a shell.
 pub fn completions(shell: Shell) -> String {
     let program = brief::command();
     let visible = program.get_subcommands().filter(|command| !command.is_hide_set()).cloned();
@@ -17,7 +17,7 @@ pub fn completions(shell: Shell) -> String {
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-/// The manual page of a command, or of the program.
+/// Manual page of a command, or of the program.
 pub fn page(name: Option<&str>) -> Result<String, Box<dyn Error>> {
     let mut program = brief::command();
     program.build();

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 /// Arguments of `merge`.
 #[derive(Args)]
 pub struct Merge {
-    /// Where the picture goes: .png or .exr.
+    /// Output: .png or .exr.
     pub output: PathBuf,
     /// All shards of the picture, in any order.
     #[arg(required = true, value_name = "SHARD")]

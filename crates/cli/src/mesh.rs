@@ -15,9 +15,9 @@ use support::write_whole;
 /// Arguments of `mesh`.
 #[derive(Args)]
 pub struct Mesh {
-    /// What `render` takes: an object, a scene file, an example scene, or a picture that this program has written.
+    /// An object, a scene file, an example scene, or a picture of this program.
     pub input: String,
-    /// Where the mesh goes: .stl, .ply, .obj or .glb.
+    /// Output: .stl, .ply, .obj or .glb.
     #[arg(long, short, default_value = "mesh.stl", value_name = "FILE")]
     pub output: PathBuf,
     /// The density of the surface, above 0, up to 1.
@@ -29,12 +29,12 @@ pub struct Mesh {
     /// The object.
     #[command(flatten)]
     pub object: ObjectFlags,
-    /// What the picture shows.
+    /// The scene.
     #[command(flatten)]
     pub arguments: SceneArguments,
 }
 
-/// Finds the surface, and writes it.
+/// Polygonizes the surface and writes it.
 pub(super) fn run(command: &Mesh, quiet: bool) -> Result<(), Box<dyn Error>> {
     let path = &command.output;
     let known = MeshFormat::from_path(path);

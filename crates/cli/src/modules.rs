@@ -3,7 +3,7 @@
 use hypertexture::scene::schema;
 use hypertexture::scene::{Projection, RayPath, Scene, SceneError};
 
-/// Puts the modules of one slot, separated by `+`, into the scene. One that ends in `.glsl` is a custom module.
+/// Sets the modules of one slot, separated by `+`. A name that ends in `.glsl` is a custom module.
 pub(super) fn module(text: &str, scene: &mut Scene) -> Result<(), SceneError> {
     let limit = "write SLOT=MODULE, such as noise=procedural; a stack is DMF+DMF".to_string();
     let wrong = || SceneError::Value { field: "--module".into(), value: text.into(), limit };
@@ -29,7 +29,7 @@ pub(super) fn module(text: &str, scene: &mut Scene) -> Result<(), SceneError> {
     }
 }
 
-/// A plain effect without modulation on the scene's own object, to look at one thing.
+/// A plain effect without modulation on the scene's object, for debug views.
 pub(super) fn show(scene: &mut Scene, classify: &str, surface: &str) {
     scene.parts.clear();
     scene.combine = None;
@@ -44,10 +44,10 @@ pub(super) fn show(scene: &mut Scene, classify: &str, surface: &str) {
     scene.parameters.clear();
 }
 
-/// How close the camera is to a plane of noise: the face of a cube fills the picture.
+/// Zoom for a plane of noise: the face of a cube fills the picture.
 const PLANE_ZOOM: f32 = 2.1;
 
-/// A plane of noise, looked at from straight ahead.
+/// A plane of noise, seen from the front.
 pub(super) fn show_plane(scene: &mut Scene, surface: &str) {
     show(scene, "surface", surface);
     let camera = &mut scene.camera;

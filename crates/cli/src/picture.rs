@@ -1,4 +1,4 @@
-//! A picture, or a shard of one: rendered, written, and what it took in words.
+//! A picture or a shard: rendering, writing, and the summary.
 
 use super::{absolute, say, with_progress};
 use hypertexture::field::{DistanceField, Progress};
@@ -17,23 +17,23 @@ use std::path::Path;
 use std::time::Instant;
 use support::write_whole;
 
-/// Pixels of a voxel that a sharp edge of the object shows.
+/// Size of a voxel in pixels from which on edges look stepped.
 const SEEN_VOXEL: f32 = 6.0;
 
-/// The output that is standard output.
+/// Output name of standard output.
 pub(super) const STANDARD_OUTPUT: &str = "-";
 
-/// Pictures of which a final one is the mean, where nothing says how many.
+/// Default supersampling of final pictures.
 const SMOOTH: u32 = 4;
 
-/// Gives a final picture smooth edges, unless its scene has several rays for each pixel already.
+/// Antialiases a final picture, unless its scene says how many rays a pixel has.
 pub(super) fn smooth(scene: &mut Scene) {
     if (scene.quality.supersampling, scene.quality.msaa) == (1, 1) {
         scene.quality.supersampling = SMOOTH;
     }
 }
 
-/// All that a picture is made of, and where it goes.
+/// Inputs and output of a picture.
 #[derive(Clone, Copy)]
 pub(super) struct Picture<'a> {
     pub(super) gpu: &'a Gpu,
@@ -44,9 +44,9 @@ pub(super) struct Picture<'a> {
     /// Bits of each channel of a PNG: 8 or 16.
     pub(super) depth: &'a str,
     pub(super) quiet: bool,
-    /// Takes what is said of it, a line or more at a time.
+    /// Receives messages.
     pub(super) tell: fn(&str),
-    /// When the work began, and how many milliseconds of it loaded the objects.
+    /// Start of the work, and milliseconds of loading.
     pub(super) began: Instant,
     pub(super) loading_ms: f64,
 }
@@ -63,12 +63,12 @@ pub(super) fn fault_line(fault: Option<&Fault>) -> String {
     fault.map_or(String::new(), |fault| format!("module     {fault}; {FINITE}\n"))
 }
 
-/// Says what a custom module gives that is no number.
+/// Reports NaN or infinite values of a custom module.
 pub(super) fn say_fault(fault: Option<Fault>) {
     say(&fault_line(fault.as_ref()));
 }
 
-/// Renders a picture, unless it is `drawn` already, and writes it.
+/// Renders a picture, unless it is `drawn` already, and writes the file.
 pub(super) fn render_picture(picture: &Picture<'_>, drawn: Option<Frame>) -> Result<Frame, Box<dyn Error>> {
     let Picture { gpu, library, scene, subject, output, quiet, tell, .. } = *picture;
     let render = |progress: Progress<'_>| {
@@ -100,7 +100,7 @@ pub(super) fn render_picture(picture: &Picture<'_>, drawn: Option<Frame>) -> Res
     Ok(frame)
 }
 
-/// Why nothing is in a picture, where nothing is.
+/// Explanation of an empty picture.
 fn nothing_seen(scene: &Scene, subject: &Subject, frame: &Frame) -> Option<String> {
     if frame.pixels.iter().any(|[.., alpha]| *alpha > 0.0) {
         return None;
@@ -121,7 +121,7 @@ fn nothing_seen(scene: &Scene, subject: &Subject, frame: &Frame) -> Option<Strin
     })
 }
 
-/// Renders a part of a picture and writes it as a file of its own.
+/// Renders a shard of a picture and writes the file.
 pub(super) fn render_shard(picture: &Picture<'_>, shard: Shard) -> Result<Frame, Box<dyn Error>> {
     let Picture { gpu, library, scene, subject, output, quiet, tell, .. } = *picture;
     let bands = shard.bands(scene.image.size[1]);
@@ -147,7 +147,7 @@ pub(super) fn render_shard(picture: &Picture<'_>, shard: Shard) -> Result<Frame,
     Ok(frame)
 }
 
-/// The scene of a picture, what is to be known of it, and what it took, as an object of JSON.
+/// Scene, notes and measurements of a picture as JSON.
 pub(super) fn object(picture: &Picture<'_>, frame: &Frame) -> Result<Map<String, Value>, Box<dyn Error>> {
     let Picture { scene, subject, began, loading_ms, .. } = *picture;
     let field = subject.field.as_ref().zip(subject.report.as_ref()).map(|(field, report)| {
@@ -180,7 +180,7 @@ fn notes(picture: &Picture<'_>, frame: &Frame) -> Result<Vec<(&'static str, Stri
     Ok(notes)
 }
 
-/// What a render took, and what it left out.
+/// Time of a render and the work that it left out.
 fn summary(picture: &Picture<'_>, frame: &Frame) -> Result<String, Box<dyn Error>> {
     let Picture { gpu, scene, subject, began, loading_ms, .. } = *picture;
     let info = gpu.info();
@@ -232,7 +232,7 @@ fn summary(picture: &Picture<'_>, frame: &Frame) -> Result<String, Box<dyn Error
     Ok(lines.join("\n"))
 }
 
-/// What is said of voxels that are seen, in a picture of that half height at the middle of the scene, object units.
+/// Note on visible voxels; `half_height` of the picture at the middle of the scene, object units.
 fn coarse(scene: &Scene, subject: &Subject, half_height: f32) -> Option<String> {
     let field = subject.field.as_ref()?;
     let pixel = 2.0 * half_height / scene.image.size[1] as f32;

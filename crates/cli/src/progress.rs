@@ -1,4 +1,4 @@
-//! How far a computation is: a bar on a terminal, lines on standard error elsewhere.
+//! Progress: a bar on a terminal, lines on standard error elsewhere.
 
 use super::complain;
 use hypertexture::field::Progress;

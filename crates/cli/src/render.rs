@@ -32,38 +32,38 @@ use support::write_whole;
 #[derive(Args)]
 pub struct Render {
     /// An object, a scene file (.toml), an example scene such as fire_ball, or a picture. An object is built in, a mesh, a scalar
-    /// volume or a distance field; of a picture that this program has written, its scene is drawn.
+    /// volume or a distance field; a picture of this program holds its scene.
     pub input: String,
-    /// Where the picture goes, .png or .exr; - is standard output, as PNG.
+    /// Output, .png or .exr; - is standard output, as PNG.
     #[arg(long, short, default_value = "out.png", value_name = "FILE")]
     pub output: PathBuf,
     /// Bits of each channel of a PNG.
     #[arg(long, default_value = "8", value_parser = ["8", "16"])]
     pub depth: String,
-    /// Everything as JSON.
+    /// Print JSON.
     #[arg(long)]
     pub json: bool,
     /// Write the scene in use, complete with defaults.
     #[arg(long, value_name = "FILE")]
     pub save_scene: Option<PathBuf>,
-    /// Say what the picture will cost, from small ones, and write none.
+    /// Predict the cost of the picture from small ones, and write none.
     #[arg(long, conflicts_with_all = ["frames", "shard"])]
     pub predict: bool,
-    /// Draw with the fastest settings within this error, such as 1e-3; the scene says what is drawn, and no longer how.
+    /// Draw with the fastest settings within this error, such as 1e-3. They replace the scene's settings for accuracy.
     #[arg(long, value_name = "ERROR", conflicts_with = "shard")]
     pub max_error: Option<f64>,
-    /// How that error is measured: rmse (linear RGBA), covered (the same where there is something), rgb, opacity, max, p999.
+    /// Metric of --max-error: rmse (linear RGBA), covered (the same where there is something), rgb, opacity, max, p999.
     #[arg(long, default_value = "rmse", value_parser = metric, requires = "max_error")]
     pub metric: Metric,
-    /// Write how far each pixel is from the f64 reference: .exr (absolute error of premultiplied linear RGBA, `estimate`, the
-    /// error of the reference as samples say, and `open`, the opacity that they may have overlooked) or .png (colors, from 1e-5 to 1).
+    /// Write the error of each pixel against the f64 reference: .exr (absolute error of premultiplied linear RGBA, `estimate`, the
+    /// estimated error of the reference, and `open`, opacity that its samples may have overlooked) or .png (colors, from 1e-5 to 1).
     #[arg(long, value_name = "FILE", conflicts_with_all = ["frames", "shard", "predict"])]
     pub error_map: Option<PathBuf>,
-    /// Write which pixels are not to be trusted, each in the color of the setting that is the cause, as .png: what changes when
-    /// samples, parts of a pixel, voxels and formats are made better one at a time, and what bounds of the f64 reference leave open.
+    /// Write doubtful pixels in the color of their cause, as .png: pixels that change when samples, parts of a pixel, voxels or formats
+    /// improve, and pixels that the bounds of the f64 reference leave open.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["frames", "shard", "predict"])]
     pub validity: Option<PathBuf>,
-    /// Write how far away each pixel is, as .exr: channel `Z` is the distance from the eye along the axis of view, in object
+    /// Write the depth of each pixel as .exr: channel `Z` is the distance from the eye along the axis of view, in object
     /// units, at which a ray through the middle of the pixel meets an opacity of 1/2, infinite where it meets less.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["frames", "shard", "predict"])]
     pub depth_map: Option<PathBuf>,
@@ -71,20 +71,20 @@ pub struct Render {
     /// Kubernetes gives to this process.
     #[arg(long, value_name = "K/N", num_args = 0..=1, default_missing_value = "auto", value_parser = shard)]
     pub shard: Option<ShardChoice>,
-    /// Many frames.
+    /// Frames.
     #[command(flatten)]
     pub motion: Motion,
     /// The object.
     #[command(flatten)]
     pub object: ObjectFlags,
-    /// What the picture shows.
+    /// The scene.
     #[command(flatten)]
     pub arguments: SceneArguments,
 }
 
 impl Render {
-    /// What changes nothing, with commas between; `None` if all that was asked for does something. `base` is what was there
-    /// before, `asked` the scene as the file and the arguments have it, `drawn` that which `--max-error` may have changed.
+    /// Options without effect, separated by commas; `None` if there are none. `base` is the scene before the arguments, `asked` the
+    /// scene with them, `drawn` the one that `--max-error` may have changed.
     fn ignored(&self, library: &Library, subject: &Subject, [base, asked, drawn]: [&Scene; 3]) -> Option<String> {
         let (before, after) = (base.fields(), drawn.fields());
         let set: Vec<_> = asked.fields().into_iter().filter(|field| !before.contains(field)).collect();
@@ -107,7 +107,7 @@ impl Render {
         self.output == Path::new(STANDARD_OUTPUT)
     }
 
-    /// Checks that standard output can take the picture, where it is to go there.
+    /// Refuses options and terminals that exclude a picture on standard output.
     fn check_piped(&self) -> Result<(), String> {
         let also =
             [("--frames", self.motion.frames.is_some()), ("--shard", self.shard.is_some()), ("--json", self.json)];
@@ -122,7 +122,7 @@ impl Render {
         }
     }
 
-    /// The files that it writes, and what asks for them.
+    /// Output files, and the options that name them.
     fn written(
         &self,
         shard: Option<Shard>,
@@ -148,12 +148,12 @@ impl Render {
     }
 }
 
-/// Whether a file has this end.
+/// Whether a file name has this extension.
 fn ends(path: &Path, end: &str) -> bool {
     path.extension().is_some_and(|own| own.eq_ignore_ascii_case(end))
 }
 
-/// Renders, or says what it would cost.
+/// Renders, or predicts the cost.
 pub(super) fn run(command: &Render, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     let (mut scene, mut base) = command.arguments.scene_and_base(&command.input, &command.object)?;
     if command.max_error.is_none() && !command.arguments.says_rays_of_a_pixel(&command.input) {
@@ -203,10 +203,10 @@ pub(super) fn run(command: &Render, options: &Options, quiet: bool) -> Result<()
     Ok(())
 }
 
-/// What was asked for, before there is a device.
+/// A request, before the device is opened.
 struct Asked {
     scene: Scene,
-    /// What it is told from.
+    /// The scene before the arguments.
     base: Scene,
     library: Library,
     subject: Subject,
@@ -217,7 +217,7 @@ struct Asked {
     loading_ms: f64,
 }
 
-/// Draws what was asked for, or says what it would cost; gives what was found as an object of JSON.
+/// Draws the picture or predicts its cost. Result: measurements as JSON.
 fn draw(
     command: &Render,
     asked: &Asked,
@@ -281,7 +281,7 @@ fn draw(
     Ok(object)
 }
 
-/// A pick as an object of JSON.
+/// A pick as JSON.
 fn settings(pick: &Pick, bound: ErrorBound) -> Value {
     let failures = pick.failures.iter().map(|Failure { label, message }| json!({ "label": label, "message": message }));
     let [left_out, drawn, kept, untried] = pick.counts;
@@ -292,7 +292,7 @@ fn settings(pick: &Pick, bound: ErrorBound) -> Value {
     })
 }
 
-/// A pick in words.
+/// Summary of a pick.
 fn explain(pick: &Pick, bound: ErrorBound) -> String {
     let [left_out, drawn, kept, untried] = pick.counts;
     let remembered = if pick.remembered { ", remembered" } else { "" };
@@ -322,7 +322,7 @@ fn explain(pick: &Pick, bound: ErrorBound) -> String {
     text
 }
 
-/// A prediction in words.
+/// Summary of a prediction.
 fn format_prediction(scene: &Scene, prediction: &Prediction) -> String {
     let seconds = |ms: f64| format!("{:.2} s", ms * 1e-3);
     let time = |e: &Estimate| format!("{} ({} to {})", seconds(e.expected), seconds(e.low), seconds(e.high));

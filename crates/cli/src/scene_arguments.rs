@@ -1,4 +1,4 @@
-//! What a picture shows, as the command line says it, and how it goes over a scene.
+//! Arguments that change a scene.
 
 use super::flags::Flags;
 use super::modules::{module, show, show_plane};
@@ -13,10 +13,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use support::words::nearest;
 
-/// How an input becomes an object.
+/// Arguments of the object.
 pub type ObjectFlags = Flags<true>;
 
-/// A debug view: how a picture is made.
+/// A debug view.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum DebugView {
     /// Normals as colors (MJ Fig. 3a).
@@ -33,13 +33,13 @@ pub enum DebugView {
     NoiseGradient,
 }
 
-/// What a picture shows: each goes over the scene.
+/// Arguments of the scene; each overrides it.
 #[derive(Args, Clone, Default)]
 pub struct SceneArguments {
     /// The effect; `hypertexture effects` lists them.
     #[arg(long, value_name = "NAME")]
     pub effect: Option<String>,
-    /// A debug view: how the picture is made.
+    /// A debug view.
     #[arg(long, value_enum)]
     pub debug_view: Option<DebugView>,
     /// A parameter of the effect, or any field of a scene file. Examples: fineness=60, light.color=#ffe0c0, and
@@ -58,7 +58,7 @@ pub struct SceneArguments {
     /// Let a scene file or a picture name files that are neither below its folder nor below the current one.
     #[arg(long)]
     pub outside: bool,
-    /// The settings that have a flag.
+    /// Settings with a flag.
     #[command(flatten)]
     pub settings: Flags<false>,
 }
@@ -86,14 +86,13 @@ pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
 }
 
 impl SceneArguments {
-    /// The scene of an input: its file, that of a picture, the example scene of that name, or the preset of the effect, with the
-    /// arguments over it.
+    /// Scene of an input with the arguments applied: a scene file, the scene of a picture, an example scene, or the preset of the
+    /// effect.
     pub fn scene(&self, input: &str, object: &ObjectFlags) -> Result<Scene, Box<dyn Error>> {
         Ok(self.scene_and_base(input, object)?.0)
     }
 
-    /// That scene, and the one that what was set in it is told from: the preset, that which a file is nearest to, or the
-    /// scene of a picture.
+    /// The scene, and the one before the arguments: the preset, the preset nearest to a file, or the scene of a picture.
     pub fn scene_and_base(&self, input: &str, object: &ObjectFlags) -> Result<(Scene, Scene), Box<dyn Error>> {
         let mut scene = self.start(input)?;
         let is_file = Path::new(input).extension().is_some_and(|end| end.eq_ignore_ascii_case("toml"));
@@ -108,7 +107,7 @@ impl SceneArguments {
         Ok((scene, base))
     }
 
-    /// Whether a flag, `--set`, a scene file or the scene of a picture says how many rays a pixel has.
+    /// Whether a flag, `--set`, a scene file or the scene of a picture sets the number of rays of a pixel.
     pub fn says_rays_of_a_pixel(&self, input: &str) -> bool {
         let path = Path::new(input);
         let ends = |end: &str| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(end));
@@ -228,7 +227,7 @@ impl SceneArguments {
         if self.modules.is_empty() && dmf.is_none() {
             return Ok(());
         }
-        // What is wrong with the scene as it came is said before modules go, and parameters with them.
+        // Faults of the given scene are reported before modules and their parameters are removed.
         scene.check(&scene.library()?)?;
         let names_dmf = |text: &&String| {
             text.split_once('=').is_some_and(|(slot, names)| slot.trim() == "dmf" && !names.is_empty())
@@ -244,27 +243,27 @@ impl SceneArguments {
     }
 }
 
-/// The files that a command reads: the input, and those that the scene names.
+/// Files that a command reads: the input and those of the scene.
 pub(super) fn files_read(input: &str, scene: &Scene) -> Vec<PathBuf> {
     scene.files().map(|(_, file)| file).chain([input]).map(PathBuf::from).collect()
 }
 
-/// The example scene that a name stands for which nothing has.
+/// Example scene with a similar name.
 fn near_example(input: &str) -> Option<&str> {
     let path = Path::new(input);
     let is_known =
         BUILT_IN.contains(&input) || path.exists() || path.extension().is_some() || input.contains(['/', '\\']);
     let known: Vec<&str> = BUILT_IN.iter().copied().chain(scene::names()).collect();
-    // Of an object the error says it, beside those that there are.
+    // The error of an object lists the known ones.
     nearest(input, &known).filter(|near| !is_known && !BUILT_IN.contains(near))
 }
 
-/// The files that a scene may name, by the flag.
+/// Rule for files that a scene names, by the flag.
 pub(super) fn reach(outside: bool) -> Reach {
     if outside { Reach::Anywhere } else { Reach::Beside }
 }
 
-/// The scene that a picture says it shows.
+/// Scene stored in a picture.
 fn scene_of_picture(path: &Path, reach: Reach) -> Result<Scene, OutputError> {
     let provenance = output::read_provenance(path)?;
     let of = |source| OutputError::Provenance { path: path.display().to_string(), source };
@@ -275,7 +274,7 @@ fn scene_of_picture(path: &Path, reach: Reach) -> Result<Scene, OutputError> {
     Ok(scene)
 }
 
-/// Whether `--set` means a field of the scene: one in a table, or one of the three that are in none.
+/// Whether `--set` names a field of the scene: `table.field`, or one of the three top-level fields.
 fn is_field(name: &str) -> bool {
     let is_parameter_of_part = name.starts_with("parts.") && name.split('.').count() == 3;
     (name.contains('.') && !is_parameter_of_part) || ["about", "combine", "boolean"].contains(&name)

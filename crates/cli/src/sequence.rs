@@ -1,4 +1,4 @@
-//! Many frames and many processes: rendering resumed where it stopped, and stopped between two frames.
+//! Sequences of frames, shared by processes, interrupted and resumed between frames.
 
 use super::picture::Picture;
 use super::{absolute, with_progress};
@@ -15,15 +15,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
-/// Frames that are looked at to see whether anything moves.
+/// Frames that are compared to detect a still sequence.
 const MOST_TRIED: u32 = 256;
 
-/// Which shard to render.
+/// Choice of a shard.
 #[derive(Clone, Copy)]
 pub enum ShardChoice {
-    /// The one that the environment says.
+    /// By the environment.
     Auto,
-    /// This one.
+    /// A given shard.
     This(Shard),
 }
 
@@ -59,7 +59,7 @@ pub struct Motion {
     pub restart: bool,
 }
 
-/// A person or a scheduler wants the program to end; says what is finished.
+/// An interrupt by the user or a scheduler, with the finished frames.
 #[derive(Debug)]
 pub struct Interrupted(pub String);
 
@@ -72,7 +72,7 @@ impl fmt::Display for Interrupted {
 impl Error for Interrupted {}
 
 impl Motion {
-    /// The sequence that was asked for, if one was.
+    /// Sequence of the arguments, if any.
     pub fn sequence(&self) -> Result<Option<Sequence>, Box<dyn Error>> {
         let Some(frames) = self.frames else { return Ok(None) };
         let sequence = Sequence { frames, fps: self.fps.unwrap_or(25.0), turntable: self.turntable };
@@ -81,7 +81,7 @@ impl Motion {
     }
 }
 
-/// The frames of a sequence, or those of a shard of them, and their files.
+/// Frames of a sequence or of its shard, and their files.
 pub(super) fn frames_of(
     output: &Path,
     sequence: &Sequence,
@@ -96,7 +96,7 @@ pub(super) fn frames_of(
     Ok((first..=last).filter(own).map(|frame| (frame, frame_path(output, frame))).collect())
 }
 
-/// Renders the frames of a sequence, or those of a shard of them; gives what was done as an object of JSON.
+/// Renders the frames of a sequence or of its shard. Result: a summary as JSON.
 pub fn render_frames(
     picture: &Picture<'_>,
     sequence: &Sequence,
@@ -153,8 +153,7 @@ pub fn render_frames(
     )
 }
 
-/// Set at the first signal to end, so that the frame in work is finished; the second one ends the process at once, which
-/// harms no file, for each appears whole or not at all.
+/// Flag of the first signal: the current frame is finished. The second signal ends the process at once; files stay whole.
 pub fn stop_flag() -> Result<Arc<AtomicBool>, Box<dyn Error>> {
     static STOP: OnceLock<Arc<AtomicBool>> = OnceLock::new();
     if let Some(stop) = STOP.get() {

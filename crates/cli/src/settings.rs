@@ -1,11 +1,11 @@
-//! `settings`: what a scene file can say, from the schema.
+//! `settings`: the fields of a scene file, from the schema.
 
 use hypertexture::scene::schema::{Kind, SETTINGS, Setting};
 use hypertexture::scene::{Scene, Transform};
 use std::collections::BTreeMap;
 use toml::Value;
 
-/// The page about all settings, which is `docs/settings.md`.
+/// The page `docs/settings.md`.
 pub(super) fn page() -> String {
     let mut defaults: BTreeMap<String, Value> = Scene::default().fields().into_iter().collect();
     let transform = toml::Table::try_from(Transform::default()).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! `render --validity`: untrusted pixels, and the causes of their errors.
+//! `render --validity`: doubtful pixels and their cause.
 
 use super::picture::Picture;
 use super::{absolute, announced};
@@ -13,7 +13,7 @@ use std::error::Error;
 use std::path::Path;
 use support::write_whole;
 
-/// Writes the validity of a picture: trusted pixels in grey, untrusted ones in the color of their cause.
+/// Writes the validity of a picture: doubtful pixels in the color of their cause, the others in grey.
 pub(super) fn write_validity(picture: &Picture<'_>, frame: &Frame, path: &Path) -> Result<Value, Box<dyn Error>> {
     let Picture { gpu, library, scene, subject, quiet, tell, .. } = *picture;
     let mut validity = announced(quiet, "validity", |progress| {

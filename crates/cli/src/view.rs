@@ -17,7 +17,7 @@ pub struct ViewArguments {
     /// fire_ball is an example scene.
     #[arg(default_value = "furry_donut")]
     pub input: String,
-    /// Refine a picture at rest until its rms error is about this [default: 0.001].
+    /// RMS error at which a picture at rest has converged [default: 0.001].
     #[arg(long, value_name = "RMSE", value_parser = error)]
     pub max_error: Option<f64>,
     /// Let time run from the beginning.
@@ -26,24 +26,24 @@ pub struct ViewArguments {
     /// Width and height of the window, in points.
     #[arg(long, default_value = "1280x800", value_parser = window, value_name = "WxH")]
     pub window: [u32; 2],
-    /// Draw so many frames after the first picture, then end.
+    /// End after this number of frames behind the first picture.
     #[arg(long, value_name = "NUMBER")]
     pub frames: Option<u32>,
-    /// Write the picture that `render` makes, after those frames or when the picture has converged, then end.
+    /// Write the picture of `render` after those frames or once the picture has converged, then end.
     #[arg(long, value_name = "FILE")]
     pub screenshot: Option<PathBuf>,
-    /// Do what this file says.
+    /// Run a script.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["frames", "screenshot"], hide = true)]
     pub script: Option<PathBuf>,
     /// The object.
     #[command(flatten)]
     pub object: ObjectFlags,
-    /// What the picture shows.
+    /// The scene.
     #[command(flatten)]
     pub arguments: SceneArguments,
 }
 
-/// The sides that a window can have, points: no screen has more.
+/// Range of the sides of a window, points.
 const SIDES: RangeInclusive<u32> = 1..=16384;
 
 fn window(text: &str) -> Result<[u32; 2], String> {
@@ -57,7 +57,7 @@ fn error(text: &str) -> Result<f64, String> {
     parsed.ok_or_else(|| "write a number from 1e-7 to 1; a code of 8 bits is 0.004".into())
 }
 
-/// There is no window: something outside of the scene is missing, or went wrong.
+/// Failure to open a window.
 #[derive(Debug)]
 pub struct NoWindow(ViewError);
 

@@ -20,7 +20,7 @@ impl BoundProgram<'_> {
     pub fn bounds(
         &self,
         lanes: &Lanes<Affine>,
-        open: impl Fn(usize, SegmentBounds) -> bool,
+        open: &dyn Fn(usize, SegmentBounds) -> bool, // not generic: callers would compile the machine again
     ) -> Result<Vec<SegmentBounds>, ExactError> {
         let mut of: Vec<usize> = (0..lanes.fragment_coordinates.len()).collect();
         let mut found: Vec<Option<SegmentBounds>> = vec![None; of.len()];

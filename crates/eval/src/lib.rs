@@ -397,7 +397,7 @@ impl BoundProgram<'_> {
         &self,
         lanes: &Lanes<f64>,
         most_turns: u64,
-        is_watched: impl Fn(&str) -> bool,
+        is_watched: &dyn Fn(&str) -> bool, // not generic: callers would compile the machine again
     ) -> Result<(Measured<f64>, Vec<Option<Overflow>>), ExactError> {
         let watched = self.code.places.iter().map(|place| is_watched(place)).collect();
         let (uniforms, known) = self.computed_uniforms::<f64>(Some(Singles::new(watched)));

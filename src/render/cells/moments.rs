@@ -111,7 +111,7 @@ fn segments_of_noise_that_is_looked_up_hold_what_is_drawn() {
             fragment_coordinates: vec![[eval::Affine::bounded(eval::Interval::of(0.5, 0.5)); 4]; SEGMENTS],
             varyings: [(0, segments.iter().map(along).collect())].into(),
         };
-        let bounds = bounded.code.bind(&bounded.inputs).unwrap().bounds(&lanes, |_, _| true).unwrap();
+        let bounds = bounded.code.bind(&bounded.inputs).unwrap().bounds(&lanes, &|_, _| true).unwrap();
         let (code, inputs) = drawn(&scene, &library, &subject, &variant);
         let bound = code.bind(&inputs).unwrap();
         for _ in 0..PLACES {

@@ -1,6 +1,6 @@
-//! Self-tests on the device: what drivers do in silence, measured, and what the renderer does about it.
+//! Self-tests for known driver faults, with the workaround of each.
 
-use super::Diagnosis;
+use super::finding::Diagnosis;
 use hypertexture::gpu::{
     Address, Binding, BindingKind, Blend, Dimension, Format, Gpu, GpuError, Image, ImageUse, Load, Marks, Pipeline,
     PipelineDescription, Resource, Sampler, Submitted, Target,
@@ -12,7 +12,7 @@ use std::sync::Arc;
 const VOLUME: u32 = 17;
 const CLAMP_SAMPLER: u32 = 5;
 
-/// Why a test could not be run.
+/// Error of a test that could not run.
 #[derive(Debug, thiserror::Error)]
 enum ProbeError {
     #[error(transparent)]
@@ -21,13 +21,13 @@ enum ProbeError {
     Gpu(#[from] GpuError),
 }
 
-/// What a test found: `PASS`, `NOTE` or `FAIL`, and a sentence.
-type Finding = (&'static str, String);
+/// Result of a test: `PASS`, `NOTE` or `FAIL`, and a sentence.
+type Outcome = (&'static str, String);
 
 /// A test by its name in the report.
-type Test<'a> = (&'a str, &'a dyn Fn(&Bench<'_>) -> Result<Finding, ProbeError>);
+type Test<'a> = (&'a str, &'a dyn Fn(&Bench<'_>) -> Result<Outcome, ProbeError>);
 
-/// Runs every test; one that cannot be run has failed.
+/// Runs every test; an error counts as a failure.
 pub(super) fn run(gpu: &Gpu, report: &mut Diagnosis) {
     let linker = match Linker::new() {
         Ok(linker) => linker,
@@ -51,7 +51,7 @@ pub(super) fn run(gpu: &Gpu, report: &mut Diagnosis) {
     }
 }
 
-/// The device, and what programs are linked with.
+/// Device, library and linker of the tests.
 struct Bench<'a> {
     gpu: &'a Gpu,
     library: Library,
@@ -104,8 +104,8 @@ impl Bench<'_> {
     }
 }
 
-/// llvmpipe ends every loop of an invocation after 65 535 iterations in total, and says nothing.
-fn loops(bench: &Bench<'_>) -> Result<Finding, ProbeError> {
+/// llvmpipe ends the loops of an invocation after 65 535 iterations in total without an error.
+fn loops(bench: &Bench<'_>) -> Result<Outcome, ProbeError> {
     const ASKED: usize = 70_000;
     let format = Format::Rgba32Float;
     let run = Run { fragment: "doctor/loops.frag", format, size: [1, 1], layers: 1, volume: None };
@@ -127,7 +127,7 @@ fn loops(bench: &Bench<'_>) -> Result<Finding, ProbeError> {
 }
 
 /// Some drivers filter 8-bit texels with 8-bit arithmetic: steps instead of a slope between two close texels.
-fn filter(bench: &Bench<'_>, format: Format) -> Result<Finding, ProbeError> {
+fn filter(bench: &Bench<'_>, format: Format) -> Result<Outcome, ProbeError> {
     const PLACES: u32 = 256;
     if !bench.gpu.can_filter(format) {
         return Ok(("NOTE", "the device has none".into()));
@@ -167,12 +167,12 @@ fn code16(value: f32) -> u16 {
     (value * 65535.0).round() as u16
 }
 
-/// Layers, and the truth that they add up to: optical depth 2.
+/// Layers, and their exact sum: optical depth 2.
 const LAYERS: u32 = 1024;
 const TRUTH: f32 = 0.864_664_7;
 
-/// A target of few bits drops what is less than half its last bit.
-fn blend(bench: &Bench<'_>, format: Format) -> Result<Finding, ProbeError> {
+/// A target of few bits drops values below half its last bit.
+fn blend(bench: &Bench<'_>, format: Format) -> Result<Outcome, ProbeError> {
     if !bench.gpu.can_blend(format) {
         return Ok(("NOTE", "the device has none".into()));
     }
@@ -186,8 +186,8 @@ fn blend(bench: &Bench<'_>, format: Format) -> Result<Finding, ProbeError> {
     })
 }
 
-/// Compilers may fold what would be NaN, so that a shader cannot look for it.
-fn nan(bench: &Bench<'_>) -> Result<Finding, ProbeError> {
+/// Compilers may fold NaN, so that a shader cannot detect it.
+fn nan(bench: &Bench<'_>) -> Result<Outcome, ProbeError> {
     let format = Format::Rgba32Float;
     let run = Run { fragment: "doctor/nan.frag", format, size: [1, 1], layers: 1, volume: None };
     let found = bench.draw(&run)?.0[0];
@@ -205,8 +205,8 @@ fn nan(bench: &Bench<'_>) -> Result<Finding, ProbeError> {
     })
 }
 
-/// Timestamps against the wall clock, for a submission that takes a while.
-fn timestamps(bench: &Bench<'_>) -> Result<Finding, ProbeError> {
+/// Timestamps against the wall clock, for a long submission.
+fn timestamps(bench: &Bench<'_>) -> Result<Outcome, ProbeError> {
     if bench.gpu.info().timestamp_period == 0.0 {
         return Ok(("NOTE", "the queue has none; times are those of the wall clock".into()));
     }

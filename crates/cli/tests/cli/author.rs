@@ -381,7 +381,7 @@ fn of_a_file_and_a_text_that_have_both_changed_one_is_taken_and_none_is_lost_bef
         author.poll(&mut model);
         sleep(Duration::from_millis(10));
     }
-    // What is wrong with it is said where the editor is closed, too.
+    // Its fault is also reported while the editor is closed.
     fs::write(&file, "float ripples(").unwrap();
     let start = Instant::now();
     while !author.complaint().is_some_and(|line| line.contains("ripples.glsl")) {

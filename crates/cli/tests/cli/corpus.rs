@@ -27,7 +27,7 @@ const FOREIGN: [&str; 12] = [
     "f32,",
 ];
 
-/// What is bad: files, arguments, and what the line names.
+/// Bad input: files, arguments, and words of the error line.
 pub struct Bad {
     pub files: Vec<(String, Vec<u8>)>,
     pub arguments: String,
@@ -371,7 +371,7 @@ pub fn modules() -> Vec<Bad> {
     all
 }
 
-/// What is wrong with how it is refused.
+/// Faults of a refusal.
 fn judged(bad: &Bad) -> Vec<String> {
     let desk = Desk::new();
     bad.files.iter().for_each(|(name, content)| desk.write(name, content));

@@ -1,4 +1,4 @@
-//! What each command writes and says.
+//! Output of each command.
 
 use crate::desk::{Desk, SMALL, refused, text};
 use hypertexture::scene::{ParameterValue, Reach};
@@ -403,9 +403,12 @@ fn every_effect_is_listed_with_its_parameters() {
 #[test]
 fn help_and_version_succeed() {
     let desk = Desk::new();
-    for arguments in ["--help", "render --help", "field --help", "gallery --help", "help"] {
+    for arguments in ["--help", "render --help", "field --help", "gallery --help-all", "help"] {
         assert!(desk.good(arguments).contains("Usage: hypertexture"), "{arguments}");
     }
+    let [short, all] = ["render --help", "render --help-all"].map(|line| desk.good(line));
+    assert!(short.lines().count() <= 30 && short.contains("Examples:") && !short.contains("--turntable "), "{short}");
+    assert!(all.contains("--turntable"), "{all}");
     assert_eq!(desk.good("--version"), format!("hypertexture {}\n", env!("CARGO_PKG_VERSION")));
 }
 

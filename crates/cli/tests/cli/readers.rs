@@ -1,4 +1,4 @@
-//! What is written, by the readers of other programs: they find the surface and the samples that were meant.
+//! Written files in the readers of other programs: surface and samples are as intended.
 //!
 //! HYPERTEXTURE_PYTHON names a Python with trimesh, SimpleITK, nibabel, pynrrd, numpy, scipy and networkx; without one that
 //! has them, it is said and nothing is compared.

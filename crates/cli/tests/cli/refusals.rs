@@ -1,4 +1,4 @@
-//! What is wrong is refused in one line, and nothing is written.
+//! Bad input is refused in one line, and nothing is written.
 
 use crate::desk::{Desk, refused, text};
 use std::fs;

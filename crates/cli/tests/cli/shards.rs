@@ -53,7 +53,7 @@ fn p52_any_split_into_shards_is_the_whole_bit_for_bit() {
     });
 }
 
-/// What the shards of the tests agree on.
+/// Settings shared by the shards of the tests.
 fn whole(size: [u32; 2]) -> Whole {
     Whole {
         identity: blake3::hash(b"a scene"),
@@ -158,7 +158,7 @@ fn the_identity_of_a_scene_is_its_content_and_not_its_path() {
     assert!(own == same && texts != other && own != texts);
 }
 
-/// What the guide passes to `render`, from these words on, and the first `merge` after it.
+/// Arguments of `render` in the guide after these words, and the first `merge` after it.
 fn commands(words: &str) -> [Vec<String>; 2] {
     let rest = include_str!("../../../../docs/guide.md").split_once(words).unwrap().1;
     ["render", "merge"].map(|name| {

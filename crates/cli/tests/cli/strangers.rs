@@ -134,7 +134,7 @@ fn renamed() -> impl Iterator<Item = Bad> {
     })
 }
 
-/// What a terminal would act upon.
+/// Control characters of terminals.
 fn hidden(said: &str) -> bool {
     said.chars().any(|c| (c.is_control() && c != '\n') || HOSTILE.contains(c) && !c.is_ascii())
 }

@@ -12,7 +12,7 @@ pub fn command(folder: &Path, arguments: &str) -> Command {
     command
 }
 
-/// What it says and how it ends.
+/// Output and exit code.
 pub fn run(folder: &Path, arguments: &str) -> Output {
     command(folder, arguments).output().expect("the program is built")
 }

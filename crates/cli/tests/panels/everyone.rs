@@ -1,4 +1,4 @@
-//! What a newcomer needs: presets, words, the keyboard alone, small windows.
+//! Needs of a newcomer: presets, words, the keyboard alone, small windows.
 
 use super::Hand;
 use egui::Key;
@@ -66,7 +66,7 @@ fn a_parameter_goes_back_to_what_the_preset_says() {
         hand.click(&format!("parameters.{name}.reset"));
         assert_eq!(hand.scene().parameters[name], own[name]);
     }
-    // What the preset does not say is what the module says.
+    // Defaults of the module hold where the preset is silent.
     let model = hand.model();
     let (parameter, before) = model.parameters(None).iter().find(|(own, _)| own.name == "sheen").unwrap();
     let (parameter, before) = (parameter.clone(), before.clone());
@@ -345,7 +345,7 @@ fn nothing_is_wider_than_the_panel_however_narrow_the_window_is() {
         hand.click("Made with");
         hand.0.set_size(egui::vec2(width, 7000.0));
         hand.0.run_steps(8);
-        // What is in the panel is right of the picture, and not below it.
+        // The panel is right of the picture.
         let left = hand.0.state().left;
         let is_control = |role| ![Role::GenericContainer, Role::Window, Role::TextRun, Role::Unknown].contains(&role);
         let all = hand.0.query_all_by(|node| is_control(node.role()));

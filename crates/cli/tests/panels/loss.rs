@@ -62,7 +62,7 @@ fn a_file_that_others_wrote_is_replaced_once_a_person_says_so() {
     hand.picture("replace");
     hand.click("ask.yes");
     assert!(held().contains("[effect]"), "{}", held());
-    // What the window wrote itself it writes again, until somebody else has.
+    // The window overwrites its own file until somebody else has changed it.
     hand.set("material.specular", 0.75);
     hand.click("file.save");
     assert!(hand.0.query_by_label("ask.yes").is_none() && held().contains("specular = 0.75"));

@@ -28,14 +28,14 @@ const SIZE: [usize; 2] = [1280, 1600];
 const SECTIONS: [&str; 9] =
     ["File", "Objects", "Object", "Transfer map", "Material", "Light and background", "Camera", "Accuracy", "Picture"];
 
-/// What the window would hold.
+/// Model of the window.
 struct Desk {
     model: Model,
     panels: Panels,
     status: Status,
     requests: Vec<Request>,
     painter: Painter,
-    /// What the panels leave for the picture.
+    /// Area of the picture.
     left: egui::Rect,
 }
 

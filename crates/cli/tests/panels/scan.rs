@@ -1,4 +1,4 @@
-//! What the file of an object holds, on its panel.
+//! Contents of an object's file, on its panel.
 
 use super::Hand;
 use egui_kittest::kittest::Queryable;
@@ -7,7 +7,7 @@ use hypertexture::shape::Facts;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// What a file holds is read when it is looked at, and an iso-value that it proposes is taken by a click.
+/// A file is read when its panel opens, and a click takes a proposed iso-value.
 #[test]
 fn what_a_scan_holds_is_shown_and_its_iso_values_are_offered() {
     let folder = tempfile::tempdir().unwrap();

@@ -536,7 +536,7 @@ fn what_goes_wrong_in_an_automated_run_is_its_exit_code() {
     assert_eq!(refused.status.code(), Some(2));
 }
 
-/// What the clipboard of a display holds; none where there is no program that tells it.
+/// Text in the clipboard of a display; `None` without a program that reads it.
 fn clipboard(display: &Display) -> Option<String> {
     let mut command = Command::new("xclip");
     command.args(["-o", "-selection", "clipboard"]).env("DISPLAY", &display.name).stderr(Stdio::null());

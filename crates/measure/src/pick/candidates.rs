@@ -18,7 +18,7 @@ pub(super) struct Families {
 /// `filters`: by both filters, where that of the device may be off.
 pub(super) fn families(scene: &Scene, library: &Library, error: f64, filters: bool) -> Result<Families, CompareError> {
     let truth = truth_of(scene, library)?;
-    let sweep = Sweep { samples: Some(vec![super::SAMPLES[0]]), filters, ..Sweep::default() };
+    let sweep = Sweep { samples: Some(vec![super::search::SAMPLES[0]]), filters, ..Sweep::default() };
     let mut families = Families { kept: Vec::new(), left_out: 0 };
     let mut known = BTreeSet::new();
     let mut refused = None;

@@ -1,57 +1,53 @@
-//! Squares of pixels that stand for a picture, and a bound of what those hold that were not looked at.
+//! A random sample of squares of pixels, and an upper bound of the sum over all squares.
 //!
-//! Role: each square has a chance of its own to be looked at, in proportion to a score that is known in all of them, and a
-//! random number that never changes; it is looked at where that number is below the chance. So a sample only grows, and the
-//! sum of what is found, divided by the chances, is right on the mean. Squares of chance 1 are known. Invariant: a bound is
-//! above the truth but for one time in 1 / [`RISK`], if no square that was not looked at is wrong by more, in parts of its score,
-//! than the worst of chance 1, or [`UNSEEN`] times the worst of the others. Sources: Horvitz and Thompson 1952 (weights); Chernoff 1952 (the
+//! Role: a square is in the sample if its fixed random number is below its chance, which is in proportion to its score. So a sample
+//! only grows, and the sum of the values, each divided by its chance, is unbiased. Squares of chance 1 are known. Invariant: a bound
+//! fails with a probability of [`RISK`] at most, if no square outside of the sample has a larger value, in parts of its score, than
+//! the worst of chance 1, or [`UNSEEN`] times the worst of the others. Sources: Horvitz and Thompson 1952 (weights); Chernoff 1952 (the
 //! lower tail of a sum of independent terms).
 
 use support::random::SplitMix;
 
-/// How often a bound may be broken by chance, at most. Lower: more pixels are looked at. Higher: of the thousand looks that 200
-/// picks take, one breaks its bound.
+/// Probability of a broken bound. Lower: more pixels are compared. Higher: one of the thousand bounds of 200 picks breaks.
 const RISK: f64 = 1e-5;
-/// How many times as wrong a square that was not looked at may be, in parts of its score, as the worst that was and might not
-/// have been. Less: bounds
-/// are broken where few pixels have most of the error. More: more pixels are looked at.
-const UNSEEN: f64 = 2.0;
+/// Largest value of a square outside of the sample, in parts of its score and of the worst in the sample. Lower: bounds break where few
+/// pixels have most of the error. Higher: more pixels are compared.
+const UNSEEN: f64 = 3.0;
 
-/// Squares of pixels, each with its chance to be looked at.
+/// Squares of pixels, each with its chance and its random number.
 pub(super) struct Sample {
-    luck: Vec<f64>,
+    random: Vec<f64>,
     chance: Vec<f64>,
 }
 
 impl Sample {
-    /// Of so many squares, none of which is looked at; the same for the same seed.
+    /// An empty sample of `squares` squares, reproducible by its seed.
     pub(super) fn new(squares: usize, seed: u64) -> Sample {
-        let mut random = SplitMix(seed);
-        Sample { luck: (0..squares).map(|_| random.unit()).collect(), chance: vec![0.0; squares] }
+        let mut numbers = SplitMix(seed);
+        Sample { random: (0..squares).map(|_| numbers.unit()).collect(), chance: vec![0.0; squares] }
     }
 
-    /// Raises chances in proportion to scores, all of them above 0, until some `wanted` squares would be looked at by these
-    /// scores alone. Result: those that are looked at from now on.
+    /// Raises chances in proportion to scores, all above 0, to an expected size of `wanted` squares. Result: the new squares.
     pub(super) fn raise(&mut self, scores: &[f64], wanted: usize) -> Vec<usize> {
         let rate = rate(scores, wanted);
         let mut new = Vec::new();
         for (square, score) in scores.iter().enumerate() {
             let before = self.chance[square];
             self.chance[square] = before.max((rate * score).min(1.0));
-            if (before..self.chance[square]).contains(&self.luck[square]) {
+            if (before..self.chance[square]).contains(&self.random[square]) {
                 new.push(square);
             }
         }
         new
     }
 
-    /// How many squares one that is looked at stands for.
+    /// Number of squares that one in the sample stands for.
     pub(super) fn weight(&self, square: usize) -> f64 {
         1.0 / self.chance[square]
     }
 
-    /// The most that a number adds up to over all squares, by those that are looked at and their scores. `most`: what it may be in
-    /// a square, if that is known.
+    /// Upper bound of the sum over all squares, from the values in the sample. `most`: the largest possible value of a square, if
+    /// known.
     pub(super) fn at_most(&self, seen: &[(usize, f64)], scores: &[f64], most: Option<f64>) -> f64 {
         let is_known = |square: usize| self.chance[square] >= 1.0;
         let known: f64 = seen.iter().filter(|(square, _)| is_known(*square)).map(|(_, value)| value).sum();
@@ -66,7 +62,7 @@ impl Sample {
     }
 }
 
-/// The factor by which scores are the chances that some `wanted` squares are looked at.
+/// Factor from scores to chances with an expected size of `wanted` squares.
 fn rate(scores: &[f64], wanted: usize) -> f64 {
     if wanted >= scores.len() {
         return f64::INFINITY;
@@ -84,8 +80,7 @@ fn rate(scores: &[f64], wanted: usize) -> f64 {
     f64::INFINITY
 }
 
-/// The largest mean of a sum of independent terms, none below 0 or above `largest`, that is as low as this once in
-/// 1 / [`RISK`] times: of mean m it is at most x with a chance of exp(-(x ln(x / m) - x + m) / largest).
+/// Largest mean of a sum of independent terms in [0, `largest`] that is as low as `sum` with a probability of [`RISK`]: of mean m it is at most x with a chance of exp(-(x ln(x / m) - x + m) / largest).
 fn mean_at_most(sum: f64, largest: f64) -> f64 {
     let allowed = -RISK.ln() * largest;
     let is_plausible = |mean: f64| {

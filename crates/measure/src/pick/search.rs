@@ -1,78 +1,85 @@
-//! Small pictures of candidates, and which of them is worth a whole one.
+//! Small pictures of the candidates, and the one that is worth a whole picture next.
 
-mod prospects;
-
-use super::ahead::Ahead;
-use super::known::{Known, draw};
-use super::{CARE, ErrorBound, PATIENCE, PickError, SAMPLES, Verified, candidates, rules};
+use super::bound::{ErrorBound, PickError, Verified};
+use super::candidates::{Families, with_samples};
+use super::reference_sample::{ReferenceSample, draw};
 use crate::compare::candidates::{Candidate, Curve};
 use crate::compare::{CompareError, Stage};
 use crate::reference::ReferenceError;
 use crate::worker::Painter;
 use hypertexture::render::{Frame, RenderError};
-use hypertexture::scene::Scene;
+use hypertexture::scene::{Scene, TargetFormat};
 use hypertexture::shader::Library;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-/// Longest side of the small pictures, pixels. Smaller: few pixels meet an edge, and llvmpipe, which gives each thread squares
-/// of 64 pixels, draws with one of them. Larger: they take longer than the picture that is asked for.
+/// Fewest and most samples of a candidate.
+pub(super) const SAMPLES: [u32; 2] = [8, 4096];
+/// Longest side of a small picture, pixels. Lower: few pixels meet an edge. Higher: small pictures take longer than whole ones.
 const SMALL: u32 = 96;
 /// Pixels of the small picture that are held against the reference.
 const PIXELS: usize = 512;
-/// Their reference may be wrong by this part of the bound: it decides what is drawn whole, and no more.
+/// Error of the small reference, in parts of the bound.
 const OWN: f64 = 0.1;
-/// Samples of the picture that these are chosen in.
-const LOOK: u32 = 64;
-/// Runs of a small picture that may be the fastest, of which the fastest counts; of one that takes longer than so many
-/// milliseconds, only where another one is close.
+/// Part of the bound that the expected error of a whole picture may take. Lower: slower picks. Higher: whole pictures in vain.
+const CARE: f64 = 0.85;
+/// Methods that take longer than this times the fastest that fits are given up.
+const SLOWER: f64 = 1.5;
+/// A candidate replaces the best only if it takes less than this part of its time.
+const FASTER: f64 = 0.9;
+/// Error that twice the samples leave, in parts of the error before, from which on more samples are in vain.
+const PLATEAU: f64 = 0.85;
+/// Samples below which no plateau is believed.
+const PLATEAU_FROM: u32 = 128;
+/// Growth of the samples after a whole picture that fails, at least.
+const STRIDE: f64 = 1.25;
+/// Order of convergence that decides by how many samples to go on after a failure.
+const ORDER: f64 = 1.4;
+/// Where nothing fits, a whole picture is drawn of what is expected within this times the bound.
+const HOPE: f64 = 4.0;
+/// Runs of a small picture that fits, of which the fastest counts, if one takes less than this many milliseconds.
 const RUNS: usize = 3;
 const AGAIN_MS: f64 = 50.0;
-/// Curves that take longer than this times the fastest that fits are not drawn on.
-const SLOWER: f64 = 1.5;
-/// A target of fewer bits makes slices at most so many times faster.
-const OF_TARGET: f64 = 2.0;
-/// What is to replace the best must be so much faster, or have so many fewer samples; the second when it is late.
-const FASTER: [f64; 2] = [0.95, 0.85];
-/// Where nothing fits, so many curves are drawn to their limit.
-const TO_LIMIT: usize = 3;
-/// Where nothing fits, the nearest are drawn whole if they are not farther off than this times the bound.
-const HOPE: f64 = 4.0;
+/// Time after which no method is begun if one fits.
+const PATIENCE: Duration = Duration::from_secs(4);
 
-/// A candidate that was drawn small.
-#[derive(Clone, Debug)]
-pub(super) struct Drawn {
-    pub(super) candidate: Candidate,
+/// A small picture of a method.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Trial {
+    pub(super) samples: u32,
     pub(super) error: f64,
-    /// Milliseconds that the whole picture should take, by the fastest of so many runs.
+    /// Expected milliseconds of the whole picture.
     pub(super) ms: f64,
-    runs: usize,
 }
 
-/// What a whole picture has taught.
-struct Lesson {
+/// A candidate with any number of samples.
+struct Method {
+    candidate: Candidate,
     curve: Curve,
-    scene: Scene,
-    /// Its error, and that over the one of the small picture.
-    error: f64,
-    factor: f64,
+    trials: Vec<Trial>,
+    /// Samples and error of its last whole picture, and that error over the one of the small picture.
+    whole: Option<(u32, f64, f64)>,
+    has_failed: bool,
 }
 
-/// Small pictures and what they are held against.
+impl Method {
+    /// Whether more samples are in vain.
+    fn has_plateaued(&self) -> bool {
+        let Some(last) = self.trials.iter().max_by_key(|trial| trial.samples) else { return false };
+        let fewer = self.trials.iter().filter(|trial| 2 * trial.samples <= last.samples);
+        let before = fewer.max_by_key(|trial| trial.samples);
+        last.samples >= PLATEAU_FROM && before.is_some_and(|before| last.error > PLATEAU * before.error)
+    }
+}
+
+/// Small pictures and the reference they are held against.
 pub(super) struct Search<'a> {
     began: Instant,
     pub(super) painter: Painter<'a>,
     library: &'a Library,
     bound: ErrorBound,
-    ahead: &'a Ahead<'a>,
-    known: Known,
-    drawn: Vec<Drawn>,
-    lessons: Vec<Lesson>,
-    /// Curves whose error no samples remove.
-    flat: Vec<Curve>,
-    /// Curves with no error but that of their steps, whose small pictures are near when it is late, or stay off as far with
-    /// twice the samples: few pixels have that error, and the whole picture has others.
-    stuck: Vec<Curve>,
-    /// Candidates that could not be drawn; no other of their curves is tried.
+    sample: ReferenceSample,
+    methods: Vec<Method>,
+    /// Candidates that could not be drawn; their methods are given up.
     pub(super) failed: Vec<(Candidate, RenderError)>,
     /// Why there is no reference, where there is none.
     pub(super) unverified: Option<String>,
@@ -83,302 +90,286 @@ impl<'a> Search<'a> {
         stage: Stage<'a>,
         scene: &Scene,
         bound: ErrorBound,
-        ahead: &'a Ahead<'a>,
+        families: &Families,
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<Search<'a>, PickError> {
         let (began, mut painter, mut failed) = (Instant::now(), stage.painter(), Vec::new());
-        let mut first = None;
-        for family in &ahead.families.kept {
-            let candidate = candidates::with_samples(family, LOOK);
-            match painter.render(&small(&candidate.scene)) {
-                Ok(frame) => first = Some((small(&candidate.scene), frame)),
-                Err(error) => failed.push((candidate, error)),
+        let first = families.kept.iter().find_map(|family| {
+            let candidate = with_samples(family, 64);
+            let scene = small(&candidate.scene);
+            match painter.render(&scene) {
+                Ok(frame) => Some((scene, frame)),
+                Err(error) => {
+                    failed.push((candidate, error));
+                    None
+                }
             }
-            if first.is_some() {
-                break;
-            }
-        }
+        });
         let Some((look, frame)) = first else {
             return Err(failed.into_iter().next().map_or(CompareError::Nothing.into(), |(_, error)| error.into()));
         };
-        let by_reference = Known::by_reference(stage, &look, OWN * bound.error).and_then(|mut known| {
-            let scores = known.scores(&frame, &frame, bound);
-            known.look(stage, &scores, PIXELS, progress).map(|()| known)
+        let by_reference = ReferenceSample::by_reference(stage, &look, OWN * bound.error).and_then(|mut sample| {
+            let scores = sample.scores(&frame, &frame, bound);
+            sample.look(stage, &scores, PIXELS, progress).map(|()| sample)
         });
-        let (known, unverified) = match by_reference {
-            Ok(known) => (known, None),
+        let (sample, unverified) = match by_reference {
+            Ok(sample) => (sample, None),
             Err(ReferenceError::Render(error)) => return Err(error.into()),
             Err(ReferenceError::Stopped) => return Err(PickError::Stopped),
             Err(why) => {
-                let own = (bound.metric, bound.error);
-                (Known::by_finer_picture(&mut painter, stage, &small(scene), own)?, Some(why.to_string()))
+                (ReferenceSample::by_finer_picture(&mut painter, stage, &small(scene), bound)?, Some(why.to_string()))
             }
         };
-        Ok(Search {
-            began,
-            painter,
-            library: stage.library,
-            bound,
-            ahead,
-            known,
-            drawn: Vec::new(),
-            lessons: Vec::new(),
-            flat: Vec::new(),
-            stuck: Vec::new(),
-            failed,
-            unverified,
-        })
+        let method = |candidate: &Candidate| Method {
+            candidate: candidate.clone(),
+            curve: candidate.curve(),
+            trials: Vec::new(),
+            whole: None,
+            has_failed: failed.iter().any(|(failed, _)| failed.curve() == candidate.curve()),
+        };
+        let methods = families.kept.iter().map(method).collect();
+        Ok(Search { began, painter, library: stage.library, bound, sample, methods, failed, unverified })
     }
 
-    /// What is worth a whole picture: the fastest that should keep the bound, if it should be faster than the best so far;
-    /// where there is none yet, at last the nearest.
-    pub(super) fn next(&mut self, best: Option<&Drawn>, progress: &dyn Fn(f32)) -> Option<Drawn> {
-        let ahead = self.ahead;
-        if let Some(stuck) = self.worth_a_whole() {
-            return Some(stuck);
-        }
-        for (index, family) in ahead.families.kept.iter().enumerate() {
-            let is_late = self.is_late() && self.fitting() > 0 && self.nearest_of(&family.curve()).is_none();
-            if !is_late && !self.is_hopeless(family) {
-                ahead.wait_for(index);
-                self.follow(family);
+    /// The method and the samples to draw whole next: the fastest that should keep the bound, if it should be faster than the best
+    /// so far; where none should, the nearest.
+    pub(super) fn next(&mut self, best: Option<Trial>, progress: &dyn Fn(f32)) -> Option<(usize, Trial)> {
+        for index in 0..self.methods.len() {
+            if !self.is_hopeless(index) {
+                self.follow(index);
             }
-            progress((index + 1) as f32 / ahead.families.kept.len() as f32 * 0.5);
-            if let Some(stuck) = self.worth_a_whole() {
-                return Some(stuck);
-            }
+            progress((index + 1) as f32 / self.methods.len() as f32);
         }
-        ahead.end();
-        self.time_again();
-        let fitting = self.drawn.iter().filter(|drawn| self.fits(drawn));
-        let next = match fitting.min_by(|a, b| a.ms.total_cmp(&b.ms)).cloned() {
-            Some(fastest) => Some(self.fewer(fastest)),
+        let next = match self.fastest() {
+            Some((index, trial)) => Some((index, self.with_fewer_samples(index, trial))),
             None => self.nearest(),
         };
-        let is_faster = |next: &Drawn, best: &Drawn| {
-            let has_fewer = next.candidate.curve() == best.candidate.curve(); // samples, of the same curve
-            next.ms < self.faster() * best.ms || has_fewer
-        };
-        next.filter(|next| self.lesson(next).is_none() && best.is_none_or(|best| is_faster(next, best)))
+        next.filter(|(_, trial)| best.is_none_or(|best| trial.ms < FASTER * best.ms))
     }
 
-    /// What a whole picture of a candidate has shown.
-    pub(super) fn learn(&mut self, drawn: &Drawn, error: f64) {
-        let factor = (error / drawn.error.max(f64::MIN_POSITIVE)).clamp(0.01, 10.0);
-        let Candidate { scene, .. } = &drawn.candidate;
-        self.lessons.push(Lesson { curve: drawn.candidate.curve(), scene: scene.clone(), error, factor });
+    /// The candidate of a trial.
+    pub(super) fn candidate(&self, (method, trial): (usize, Trial)) -> Candidate {
+        with_samples(&self.methods[method].candidate, trial.samples)
     }
 
-    /// A candidate cannot be drawn.
-    pub(super) fn fail(&mut self, candidate: Candidate, error: RenderError) {
-        self.drawn.retain(|drawn| drawn.candidate.curve() != candidate.curve());
-        self.failed.push((candidate, error));
+    /// Records the error of a whole picture.
+    pub(super) fn learn(&mut self, (method, trial): (usize, Trial), error: f64) {
+        let factor = (error / trial.error.max(f64::MIN_POSITIVE)).clamp(0.01, 10.0);
+        self.methods[method].whole = Some((trial.samples, error, factor));
     }
 
-    /// Whether it has taken long enough.
+    /// Gives up the method of a trial that cannot be drawn.
+    pub(super) fn fail(&mut self, next: (usize, Trial), error: RenderError) {
+        self.failed.push((self.candidate(next), error));
+        self.methods[next.0].has_failed = true;
+    }
+
     pub(super) fn is_late(&self) -> bool {
         self.began.elapsed() > PATIENCE
     }
 
-    fn faster(&self) -> f64 {
-        FASTER[usize::from(self.is_late())]
+    /// Candidates that were drawn, those of them that should keep the bound, and methods that were left out as it was late.
+    pub(super) fn counts(&self) -> [usize; 3] {
+        let drawn = self.methods.iter().map(|method| method.trials.len()).sum();
+        let untried = |index: &usize| self.methods[*index].trials.is_empty() && !self.is_slow_or_flat(*index);
+        let untried = if self.is_late() { (0..self.methods.len()).filter(untried).count() } else { 0 };
+        [drawn, self.fitting().count(), untried]
     }
 
-    /// How many curves were not tried, where that was for the time.
-    pub(super) fn untried(&self) -> usize {
-        let untried = |family: &&Candidate| self.nearest_of(&family.curve()).is_none() && !self.is_hopeless(family);
-        if self.is_late() { self.ahead.families.kept.iter().filter(untried).count() } else { 0 }
-    }
-
-    /// How many candidates were drawn.
-    pub(super) fn count(&self) -> usize {
-        self.drawn.len()
-    }
-
-    /// How many of them should keep the bound.
-    pub(super) fn fitting(&self) -> usize {
-        self.drawn.iter().filter(|drawn| self.fits(drawn)).count()
-    }
-
-    /// The fastest of another pass than the best that should keep the bound, and how many times longer it takes.
-    pub(super) fn other_pass(&self, best: &Drawn) -> Option<(String, f64)> {
-        let pass = best.candidate.scene.quality.pass;
-        let others = self.drawn.iter().filter(|drawn| drawn.candidate.scene.quality.pass != pass && self.fits(drawn));
-        let other = others.min_by(|a, b| a.ms.total_cmp(&b.ms))?;
-        Some((other.candidate.label(), other.ms / best.ms.max(1e-6)))
+    /// The fastest candidate of another pass that should keep the bound, and its time in parts of the best.
+    pub(super) fn other_pass(&self, (method, best): (usize, Trial)) -> Option<(String, f64)> {
+        let pass = self.methods[method].curve.pass;
+        let others = self.fitting().filter(|(index, _)| self.methods[*index].curve.pass != pass);
+        let other = others.min_by(|a, b| a.1.ms.total_cmp(&b.1.ms))?;
+        Some((self.candidate(other).label(), other.1.ms / best.ms.max(1e-6)))
     }
 
     /// Why nothing was picked; `nearest` is the whole picture with the least error.
-    pub(super) fn refusal(&mut self, bound: ErrorBound, nearest: Option<(Drawn, Verified)>) -> PickError {
-        if self.drawn.is_empty() && !self.failed.is_empty() {
-            return self.failed.swap_remove(0).1.into();
-        }
-        let least = || self.drawn.iter().min_by(|a, b| a.error.total_cmp(&b.error));
-        let [own, _] = self.known.own(bound.metric);
-        let (nearest, found, own) = match (nearest, least()) {
-            (Some((nearest, verified)), _) => (nearest.candidate.label(), verified.error, verified.estimate),
-            (None, Some(near)) => (near.candidate.label(), near.error + own, own),
-            (None, None) => ("none".into(), f64::INFINITY, 0.0),
+    pub(super) fn refusal(&mut self, nearest: Option<((usize, Trial), Verified)>) -> PickError {
+        let ErrorBound { metric, error: asked } = self.bound;
+        let Some((nearest, verified)) = nearest else {
+            let failed = self.failed.drain(..).next();
+            return failed.map_or(CompareError::Nothing.into(), |(_, error)| error.into());
         };
-        PickError::Bound { metric: bound.metric, asked: bound.error, nearest, own, found, allow: None }
+        let (nearest, found, own) = (self.candidate(nearest).label(), verified.error, verified.estimate);
+        PickError::Bound { metric, asked, nearest, own, found, allow: None }
     }
 
-    /// The candidate drawn small, now or before; `None` where that cannot be.
-    fn small(&mut self, candidate: Candidate) -> Option<Drawn> {
-        if let Some(known) = self.drawn.iter().find(|drawn| drawn.candidate.scene == candidate.scene) {
-            return Some(known.clone());
+    /// Factor from the error of a small picture to that of the whole: of the method itself, or the geometric mean of all.
+    fn factor(&self, method: &Method) -> f64 {
+        let of = |method: &Method| method.whole.map(|(_, _, factor)| factor);
+        let all: Vec<f64> = self.methods.iter().filter_map(of).map(f64::ln).collect();
+        of(method).unwrap_or_else(|| (all.iter().sum::<f64>() / all.len().max(1) as f64).exp())
+    }
+
+    /// Error of the whole picture: as measured, or as expected.
+    fn expected(&self, method: &Method, trial: Trial) -> f64 {
+        match method.whole {
+            Some((samples, error, _)) if samples == trial.samples => error,
+            _ => trial.error * self.factor(method),
         }
-        let is_of_failed = |(failed, _): &(Candidate, RenderError)| failed.curve() == candidate.curve();
+    }
+
+    /// Whether a whole picture should keep the bound: not with a few more samples than one that did not.
+    fn fits(&self, method: &Method, trial: Trial) -> bool {
+        let expected = self.expected(method, trial);
+        match method.whole {
+            Some((samples, error, _)) if samples == trial.samples => error <= self.bound.error,
+            _ => expected <= CARE * self.bound.error && f64::from(trial.samples) >= self.least_samples(method),
+        }
+    }
+
+    /// Fewest samples that the last whole picture of a method does not speak against.
+    fn least_samples(&self, method: &Method) -> f64 {
+        let too_few = method.whole.filter(|(_, error, _)| *error > self.bound.error);
+        too_few.map_or(f64::from(SAMPLES[0]), |(samples, error, _)| {
+            let growth = (error / self.bound.error).powf(1.0 / ORDER).max(STRIDE);
+            (f64::from(samples) * growth).ceil().min(f64::from(SAMPLES[1])).max(f64::from(samples) + 1.0)
+        })
+    }
+
+    /// Trials that should keep the bound.
+    fn fitting(&self) -> impl Iterator<Item = (usize, Trial)> {
+        let methods = self.methods.iter().enumerate().filter(|(_, method)| !method.has_failed);
+        methods.flat_map(move |(index, method)| {
+            let trials = method.trials.iter().filter(move |trial| self.fits(method, **trial));
+            trials.map(move |trial| (index, *trial))
+        })
+    }
+
+    fn fastest(&self) -> Option<(usize, Trial)> {
+        self.fitting().min_by(|a, b| a.1.ms.total_cmp(&b.1.ms))
+    }
+
+    /// Draws a method small, now or before; `None` where it cannot be drawn.
+    fn small(&mut self, index: usize, samples: u32) -> Option<Trial> {
+        let method = &self.methods[index];
+        if let Some(known) = method.trials.iter().find(|trial| trial.samples == samples) {
+            return Some(*known);
+        }
+        let candidate = with_samples(&method.candidate, samples);
         let is_refused = candidate.blend_bound() > self.bound.error || candidate.scene.check(self.library).is_err();
-        if is_refused || self.failed.iter().any(is_of_failed) {
+        if is_refused || method.has_failed {
             return None;
         }
-        match self.measure(&candidate) {
-            Ok((error, ms, runs)) => {
-                log::debug!("{}: {error:.2e} in a small picture, {ms:.1} ms of the whole", candidate.label());
-                self.drawn.push(Drawn { candidate, error, ms, runs });
-                self.drawn.last().cloned()
+        match self.measure(index, &candidate) {
+            Ok(trial) => {
+                log::debug!("{}: {:.2e} in a small picture, {:.1} ms", candidate.label(), trial.error, trial.ms);
+                self.methods[index].trials.push(trial);
+                Some(trial)
             }
             Err(error) => {
                 self.failed.push((candidate, error));
+                self.methods[index].has_failed = true;
                 None
             }
         }
     }
 
-    /// Error of a candidate, and its time by so many runs: more than one, if it fits and is fast.
-    fn measure(&mut self, candidate: &Candidate) -> Result<(f64, f64, usize), RenderError> {
-        let (frame, mut ms) = self.draw(candidate)?;
-        let error = self.known.error(&frame, self.bound.metric);
-        let is_fast = error <= self.target(&candidate.curve()) && frame.measurements.gpu_ms < AGAIN_MS;
-        let runs = if is_fast { RUNS } else { 1 };
-        for _ in 1..runs {
-            ms = ms.min(self.draw(candidate)?.1);
-        }
-        Ok((error, ms, runs))
-    }
-
-    /// A small picture, and the time that the whole one should take.
-    fn draw(&mut self, candidate: &Candidate) -> Result<(Frame, f64), RenderError> {
+    fn measure(&mut self, index: usize, candidate: &Candidate) -> Result<Trial, RenderError> {
         let scene = small(&candidate.scene);
         let pixels = |of: &Scene| of.image.size.iter().map(|side| f64::from(*side)).product::<f64>();
-        draw(&mut self.painter, &scene, pixels(&candidate.scene) / pixels(&scene))
+        let times = pixels(&candidate.scene) / pixels(&scene);
+        let (frame, ms): (Frame, f64) = draw(&mut self.painter, &scene, times)?;
+        let error = self.sample.error(&frame, self.bound.metric);
+        let mut trial = Trial { samples: candidate.samples(), error, ms };
+        if self.fits(&self.methods[index], trial) && frame.measurements.gpu_ms < AGAIN_MS {
+            for _ in 1..RUNS {
+                trial.ms = trial.ms.min(draw(&mut self.painter, &scene, times)?.1);
+            }
+        }
+        Ok(trial)
     }
 
-    /// Times again what fits, where curves are close and were timed once; where it is late, no more than that.
-    fn time_again(&mut self) {
-        for run in 1..RUNS {
-            if run > 1 && self.is_late() {
+    /// Draws a method with ever more samples until it fits, or is slower than one that fits, or its error stays.
+    fn follow(&mut self, index: usize) {
+        let mut samples = self.least_samples(&self.methods[index]) as u32;
+        while let Some(trial) = self.small(index, samples) {
+            let method = &self.methods[index];
+            let limit = SLOWER * self.fastest().map_or(f64::INFINITY, |(_, fastest)| fastest.ms);
+            if self.fits(method, trial) || trial.ms > limit || samples >= SAMPLES[1] || method.has_plateaued() {
                 return;
             }
-            let mut fitting: Vec<usize> =
-                (0..self.drawn.len()).filter(|&index| self.fits(&self.drawn[index])).collect();
-            fitting.sort_by(|a, b| self.drawn[*a].ms.total_cmp(&self.drawn[*b].ms));
-            let times: Vec<(Curve, f64)> =
-                fitting.iter().map(|&index| (self.drawn[index].candidate.curve(), self.drawn[index].ms)).collect();
-            let close = rules::close(&times).into_iter().map(|place| fitting[place]);
-            let once: Vec<usize> = close.filter(|index| self.drawn[*index].runs < RUNS).collect();
-            if once.is_empty() {
-                return;
-            }
-            for index in once {
-                let candidate = self.drawn[index].candidate.clone();
-                // One that cannot be drawn again shows that where it is drawn whole.
-                let Ok((_, ms)) = self.draw(&candidate) else { return };
-                let drawn = &mut self.drawn[index];
-                (drawn.ms, drawn.runs) = (drawn.ms.min(ms), drawn.runs + 1);
-            }
+            let times = (self.expected(method, trial) / (CARE * self.bound.error)).sqrt().max(2.0);
+            samples = (f64::from(samples) * times).min(f64::from(SAMPLES[1])) as u32;
         }
     }
 
-    /// Draws a curve with more and more samples until it fits, or takes longer than one that fits.
-    fn follow(&mut self, family: &Candidate) {
-        let target = self.target(&family.curve());
-        let [fewest, most] = SAMPLES;
-        let steps = (0..).map(|step| (f64::from(fewest) * 2f64.powf(f64::from(step) / 2.0)).round() as u32);
-        let mut least = self.least(&family.curve(), target);
-        let mut before: Option<(u32, f64)> = None;
-        for samples in steps.take_while(|samples| *samples <= most).collect::<Vec<_>>() {
-            if f64::from(samples) < least {
-                continue;
-            }
-            let Some(Drawn { error, ms, .. }) = self.small(candidates::with_samples(family, samples)) else { return };
-            let fitting = self.drawn.iter().filter(|drawn| self.fits(drawn)).map(|drawn| drawn.ms);
-            if error <= target || ms > SLOWER * fitting.fold(f64::INFINITY, f64::min) {
-                return;
-            }
-            let curve = family.curve();
-            let list = match curve.block {
-                Some(_) => Some(&mut self.flat), // a block of noise is wrong by itself, and more samples show no other error
-                None => (self.is_late() && self.lessons.is_empty()).then_some(&mut self.stuck),
-            };
-            let is_near = curve.block.is_none() && error <= rules::NEAR * target;
-            let stays = before.is_some_and(|fewer| rules::stays(fewer, (samples, error)));
-            if let Some(list) = list.filter(|_| is_near || stays) {
-                list.push(curve);
-                return;
-            }
-            if before.is_none_or(|(fewer, _)| samples >= 2 * fewer) {
-                before = Some((samples, error));
-            }
-            least = rules::next(samples, error / target);
-        }
-    }
-
-    /// The same curve with fewer samples, if they do: between those that fit and those before that do not.
-    fn fewer(&mut self, fits: Drawn) -> Drawn {
-        let (curve, most) = (fits.candidate.curve(), fits.candidate.samples());
-        let mut is_first = true;
+    /// The fewest samples that fit, by bisection, to a tenth.
+    fn with_fewer_samples(&mut self, index: usize, mut fits: Trial) -> Trial {
         loop {
-            let own = self.drawn.iter().filter(|drawn| drawn.candidate.curve() == curve && !self.fits(drawn));
-            let before =
-                own.filter(|drawn| drawn.candidate.samples() < most).max_by_key(|drawn| drawn.candidate.samples());
-            let Some(before) = before else { return fits };
-            let [n, m] = [before.candidate.samples(), most].map(f64::from);
-            let errors = [self.error(before), self.error(&fits)];
-            // Where the error goes down evenly; then in the middle of what is left.
-            let even = (errors[0] / (CARE * self.bound.error)).ln() / (errors[0] / errors[1]).ln();
-            let fewer = (n * (m / n).powf(if std::mem::take(&mut is_first) { even } else { 0.5 })).ceil();
-            let fewer = fewer.max(f64::from(self.least_hopeful(&curve)));
-            if fewer.is_nan() || fewer >= self.faster() * m || fewer <= n {
+            let method = &self.methods[index];
+            let fewer = method.trials.iter().filter(|trial| trial.samples < fits.samples);
+            let Some(fails) = fewer.map(|trial| trial.samples).max() else { return fits };
+            let fails = f64::from(fails).max(self.least_samples(method) - 1.0);
+            let middle = (fails * f64::from(fits.samples)).sqrt().round();
+            if f64::from(fits.samples) < 1.1 * middle || middle <= fails {
                 return fits;
             }
-            match self.small(candidates::with_samples(&fits.candidate, fewer as u32)) {
-                Some(fewer) if self.fits(&fewer) => return fewer,
+            match self.small(index, middle as u32) {
+                Some(trial) if self.fits(&self.methods[index], trial) => fits = trial,
                 Some(_) => {}
                 None => return fits,
             }
         }
     }
 
-    /// Of curves that do not fit, drawn to their limit, the nearest that was not drawn whole. One whose block of noise keeps it
-    /// far from the bound is left as it is.
-    fn nearest(&mut self) -> Option<Drawn> {
-        let last = |family: &Candidate| {
-            let own = self.drawn.iter().filter(|drawn| drawn.candidate.curve() == family.curve());
-            let is_open =
-                |last: &&Drawn| !self.flat.contains(&family.curve()) || self.error(last) <= HOPE * self.bound.error;
-            own.max_by_key(|drawn| drawn.candidate.samples()).filter(is_open).map(|last| {
-                let more = f64::from(SAMPLES[1]) / f64::from(last.candidate.samples());
-                (last.error / more.powf(rules::ORDER), family.clone())
-            })
+    /// Where nothing fits, the trial with the least expected error of those that were not drawn whole.
+    fn nearest(&self) -> Option<(usize, Trial)> {
+        let is_first = self.methods.iter().all(|method| method.whole.is_none());
+        let limit = if is_first { f64::INFINITY } else { HOPE * self.bound.error };
+        let methods = self.methods.iter().enumerate().filter(|(_, method)| !method.has_failed);
+        let last = methods.filter_map(|(index, method)| {
+            let last = *method.trials.iter().max_by_key(|trial| trial.samples)?;
+            let is_new = method.whole.is_none_or(|(samples, ..)| samples < last.samples);
+            (is_new && self.expected(method, last) <= limit).then_some((index, last, self.expected(method, last)))
+        });
+        last.min_by(|a, b| a.2.total_cmp(&b.2)).map(|(index, last, _)| (index, last))
+    }
+
+    /// Whether a method is not worth a picture: it has failed, it is late, or other methods say that it is slow or never fits.
+    fn is_hopeless(&self, index: usize) -> bool {
+        let method = &self.methods[index];
+        let is_begun = !method.trials.is_empty();
+        let has_time = !self.is_late() || self.fastest().is_none() && method.curve.block.is_none();
+        method.has_failed || !is_begun && (!has_time || self.is_slow_or_flat(index))
+    }
+
+    /// Whether methods that were drawn say that this one is slower than one that fits, or never fits. Linking its program takes
+    /// longer than all its small pictures.
+    fn is_slow_or_flat(&self, index: usize) -> bool {
+        let Curve { strategy, pass, integration, block, target, filter } = &self.methods[index].curve;
+        let drawn = || self.methods.iter().filter(|method| !method.trials.is_empty());
+        let ms = |method: &Method| {
+            let fitting = method.trials.iter().filter(|trial| self.fits(method, **trial)).map(|trial| trial.ms);
+            let least = fitting.fold(f64::INFINITY, f64::min);
+            if least.is_finite() { least } else { method.trials.iter().map(|trial| trial.ms).fold(0.0, f64::max) }
         };
-        let mut hopeful: Vec<(f64, Candidate)> = self.ahead.families.kept.iter().filter_map(last).collect();
-        hopeful.sort_by(|a, b| a.0.total_cmp(&b.0));
-        for (_, family) in hopeful.into_iter().take(TO_LIMIT) {
-            let mut samples = SAMPLES[1];
-            while samples > SAMPLES[0] && self.small(candidates::with_samples(&family, samples)).is_none() {
-                samples /= 2;
-            }
+        let limit = SLOWER * self.fastest().map_or(f64::INFINITY, |(_, fastest)| fastest.ms);
+        // Neither pass nor integration mends the noise of a strategy.
+        let has_its_noise = |of: &Curve| (&of.strategy, &of.block, &of.filter) == (strategy, block, filter);
+        if drawn().any(|method| block.is_some() && has_its_noise(&method.curve) && method.has_plateaued()) {
+            return true;
         }
-        let hope = |drawn: &&Drawn| {
-            !self.is_near_failed(drawn) && (self.lessons.is_empty() || self.error(drawn) <= HOPE * self.bound.error)
-        };
-        self.drawn.iter().filter(hope).min_by(|a, b| a.error.total_cmp(&b.error)).cloned()
+        // A target of fewer bits needs as many samples, and halves the time at best.
+        if target.is_some_and(|target| target != TargetFormat::Float32) {
+            let float = |of: &Curve| {
+                has_its_noise(of) && (of.integration, of.target) == (*integration, Some(TargetFormat::Float32))
+            };
+            return drawn().find(|method| float(&method.curve)).is_none_or(|method| 0.5 * ms(method) > limit);
+        }
+        // A method costs about as much more than the first of its strategy as with other strategies.
+        let first = |strategy: &str| drawn().find(|method| method.curve.strategy == strategy);
+        let Some(own) = first(strategy) else { return false };
+        let like = |of: &Curve| (of.pass, of.integration, of.target) == (*pass, *integration, *target);
+        let others = drawn().filter(|method| method.curve.strategy != *strategy && like(&method.curve));
+        let times = others.filter_map(|method| Some(ms(method) / ms(first(&method.curve.strategy)?)));
+        let times = times.fold(f64::INFINITY, f64::min);
+        times.is_finite() && ms(own) * times > limit
     }
 }
 
-/// The scene, smaller.
+/// The scene at a size of [`SMALL`] at most.
 fn small(scene: &Scene) -> Scene {
     let mut small = scene.clone();
     let longest = scene.image.size[0].max(scene.image.size[1]);

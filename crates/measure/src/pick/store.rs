@@ -1,6 +1,6 @@
 //! What was picked, kept on disk: by scene, bound, device and driver.
 
-use super::{ErrorBound, Pick, PickError, Verified};
+use super::bound::{ErrorBound, Pick, PickError, Verified};
 use crate::compare::Stage;
 use hypertexture::output::shard;
 use hypertexture::scene::{self, Scene};
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use support::disk_cache::{self, Kind};
 
 /// Raise it when the same scene may give another pick.
-const VERSION: u32 = 9;
+const VERSION: u32 = 10;
 /// A few thousand picks.
 const KIND: Kind = Kind { ends: &["pick"], limit: 16 << 20 };
 

@@ -202,14 +202,6 @@ pub fn reference(
     Ok(found)
 }
 
-/// Links the programs of the reference of a scene that [`truth_of`] gave: they are on the disk where they are asked for.
-pub(crate) fn link(variant: &Variant, truth: &Scene, library: &Library) -> Result<(), VariantError> {
-    match truth.effect.ray_path {
-        RayPath::Refracted => bent::linked(variant, library).map(drop),
-        _ => probe::Linked::of(variant, truth, library).map(drop),
-    }
-}
-
 /// Side of the squares of pixels, from the first on, whose light costs no more than that of one of them: rays that bend are
 /// followed by fours.
 pub fn computed_together(scene: &Scene) -> usize {

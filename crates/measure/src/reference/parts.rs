@@ -197,7 +197,7 @@ impl Probe {
         let lanes = eval::Lanes { fragment_coordinates, varyings: [(0, places)].into() };
         let open = |lane: usize, alpha| is_open(self.extinction(alpha), wanted[order[lane]].length);
         let mut found = vec![Extinction::ANY; wanted.len()];
-        for (&at, alpha) in order.iter().zip(bounds.bounds(&lanes, open)?) {
+        for (&at, alpha) in order.iter().zip(bounds.bounds(&lanes, &open)?) {
             found[at] = self.extinction(alpha);
         }
         Ok(found)

@@ -1,6 +1,6 @@
-//! What is known of some pixels of a picture, and pictures held against it.
+//! The reference of some pixels of a picture, and pictures held against it.
 
-use super::ErrorBound;
+use super::bound::ErrorBound;
 use super::candidates;
 use super::sample::Sample;
 use crate::compare::{CompareError, Stage};
@@ -13,69 +13,69 @@ use hypertexture::render::{Frame, Measurements, RenderError};
 use hypertexture::scene::{Filter, Scene};
 use std::ops::Range;
 
-/// The errors that a pixel of the reference may be asked for, lowest and highest. Higher: where noise is finer than its samples,
-/// a pixel in a thousand is off by far more than it says.
+/// Lowest and highest tolerance of a pixel of the reference. Higher: with noise finer than the samples, one pixel in a thousand
+/// is off by far more than its estimate.
 const TOLERANCES: [f64; 2] = [1e-7, 1e-4];
-/// The least score of a pixel, in parts of the mean of all, or of the squared bound. Less: nothing is looked at where pictures
-/// agree. More: what they differ by counts less.
+/// Least score of a pixel, in parts of the mean or of the squared bound. Lower: pixels in which pictures agree are never compared.
+/// Higher: differences between pictures count less.
 const LEAST: f64 = 0.1;
-/// The largest of [`Metric::P999`], in squares of the bound: how far a pixel is beyond it does not count.
+/// Largest score for [`Metric::P999`], in squares of the bound: the distance beyond the bound does not count.
 const MOST: f64 = 4.0;
-/// The score of a pixel in parts of its squared difference from a neighbor, at least: a ray that only just meets an edge may do
-/// so or not in all drawings alike. Less: edges are overlooked. More: all of a furry object is an edge.
+/// Least score of a pixel in parts of its squared difference from a neighbor: all drawings may miss the same edge. Lower overlooks
+/// edges; higher makes an edge of all fur.
 const EDGE: f64 = 0.03;
-/// A finer picture that stands for a reference should be wrong by less than this part of the bound.
+/// Error of a finer picture in place of a reference, in parts of the bound.
 const FINER: f64 = 0.25;
-/// Samples of the finer picture, at least and at most.
+/// Least and most samples of the finer picture.
 const FINEST: [u32; 2] = [256, 16_384];
-/// The order of its error in the step: the lowest that pictures show, and the highest that is believed where it is seen.
+/// Order of its error in the step: least and most that are believed.
 const ORDERS: [f64; 2] = [0.8, 1.2];
 
-/// Pixels of pictures of one size, and what they are in truth.
-pub(super) struct Known {
+/// Reference values of some pixels of a picture.
+pub(super) struct ReferenceSample {
     size: [u32; 2],
     /// Side of the squares of pixels whose light is computed together.
     side: usize,
     sample: Sample,
-    /// The scene that the truth is the picture of, and the error that each pixel may have of it.
+    /// Scene of the reference, and the tolerance of a pixel.
     truth: Option<(Scene, f64)>,
     looked: Vec<Pixel>,
-    /// What a finer picture that stands for the truth may be wrong by itself.
+    /// Error of the finer picture in place of a reference.
     finer: Errors,
 }
 
-/// A pixel that was looked at.
+/// A compared pixel.
 struct Pixel {
-    /// Its index in the picture, and that of its square.
+    /// Index in the picture, and index of its square.
     at: usize,
     square: usize,
     light: [f64; 4],
-    /// How far that may be off as samples say, and with all that bounds leave open.
+    /// Estimated error of `light`, and the one with all that bounds leave open.
     own: [f64; 2],
     is_proven: bool,
 }
 
-impl Known {
-    /// By the f64 reference of a scene, in no pixel so far; each will be known with an error of about `own`.
-    pub(super) fn by_reference(stage: Stage<'_>, scene: &Scene, own: f64) -> Result<Known, ReferenceError> {
+impl ReferenceSample {
+    /// An empty sample of the f64 reference of a scene, with a tolerance of about `own`.
+    pub(super) fn by_reference(stage: Stage<'_>, scene: &Scene, own: f64) -> Result<ReferenceSample, ReferenceError> {
         let truth = truth_of(scene, stage.library).map_err(VariantError::from)?;
         let (size, side) = (scene.image.size, computed_together(scene));
         let squares = size.map(|pixels| (pixels as usize).div_ceil(side)).iter().product();
         let tolerance = own.clamp(TOLERANCES[0], TOLERANCES[1]);
         let (truth, finer) = (Some((truth, tolerance)), Errors::default());
-        Ok(Known { size, side, sample: Sample::new(squares, 1), truth, looked: Vec::new(), finer })
+        Ok(ReferenceSample { size, side, sample: Sample::new(squares, 1), truth, looked: Vec::new(), finer })
     }
 
-    /// By a picture of this size that is off by so much.
-    fn whole(size: [u32; 2], light: Vec<[f64; 4]>, finer: Errors) -> Known {
+    /// All pixels of a picture with these errors.
+    fn whole(size: [u32; 2], light: Vec<[f64; 4]>, finer: Errors) -> ReferenceSample {
         let mut sample = Sample::new(light.len(), 1);
         sample.raise(&vec![1.0; light.len()], light.len());
         let pixel = |(at, light)| Pixel { at, square: at, light, own: [0.0; 2], is_proven: false };
         let looked = light.into_iter().enumerate().map(pixel).collect();
-        Known { size, side: 1, sample, truth: None, looked, finer }
+        ReferenceSample { size, side: 1, sample, truth: None, looked, finer }
     }
 
-    /// Looks at more pixels, by the scores of their squares, until they are about as many as that.
+    /// Adds pixels by the scores of their squares, up to about `pixels`.
     pub(super) fn look(
         &mut self,
         stage: Stage<'_>,
@@ -114,13 +114,13 @@ impl Known {
         Ok(())
     }
 
-    /// By the scene drawn with ever more samples, where it has no reference: in every pixel.
+    /// All pixels of the scene drawn with ever more samples, in place of a reference.
     pub(super) fn by_finer_picture(
         painter: &mut Painter<'_>,
         stage: Stage<'_>,
         scene: &Scene,
-        (metric, error): (Metric, f64),
-    ) -> Result<Known, CompareError> {
+        ErrorBound { metric, error }: ErrorBound,
+    ) -> Result<ReferenceSample, CompareError> {
         let filter = Filter::precise(stage.gpu.info().filters_by_few_bits());
         let mut draw = |samples| -> Result<Frame, CompareError> {
             let mut drawn = Err(CompareError::Nothing);
@@ -147,14 +147,13 @@ impl Known {
             );
             let is_enough = samples >= least && own.by(metric) <= FINER * error;
             if is_enough || 2 * samples > most {
-                return Ok(Known::whole(finer.size, truth, own));
+                return Ok(ReferenceSample::whole(finer.size, truth, own));
             }
             (samples, before, gap) = (2 * samples, finer, now);
         }
     }
 
-    /// The scores of all squares: how wrong they may be, by what a picture differs by from another of the same scene,
-    /// and its pixels from their neighbors.
+    /// Scores of all squares: squared differences from another picture of the scene, and from neighboring pixels.
     pub(super) fn scores(&self, frame: &Frame, other: &Frame, bound: ErrorBound) -> Vec<f64> {
         let channels = channels(bound.metric);
         let [width, height] = self.size.map(|side| side as usize);
@@ -178,7 +177,7 @@ impl Known {
         scores.into_iter().map(|score| score.max(least)).collect()
     }
 
-    /// How far a picture is from what is known of these pixels, each of which counts for those that it stands for.
+    /// Error of a picture, estimated from the compared pixels by their weights.
     pub(super) fn error(&self, frame: &Frame, metric: Metric) -> f64 {
         let pixels = self
             .looked
@@ -187,7 +186,7 @@ impl Known {
         Errors::of(pixels).by(metric)
     }
 
-    /// The most that a whole picture is off by, with the confidence of [`Sample`]; without an end where that cannot be said.
+    /// Upper bound of the error of a whole picture with the confidence of [`Sample`]; infinite where none is known.
     pub(super) fn at_most(&self, frame: &Frame, scores: &[f64], metric: Metric) -> f64 {
         let off = |pixel: &Pixel, c: usize| (f64::from(frame.pixels[pixel.at][c]) - pixel.light[c]).abs();
         let sums = |value: &dyn Fn(&Pixel) -> f64| -> Vec<(usize, f64)> {
@@ -218,7 +217,7 @@ impl Known {
         }
     }
 
-    /// What the truth may be wrong by itself: as far as samples say, and with all the opacity that bounds leave open.
+    /// Error of the reference: estimated, and with all the opacity that bounds leave open.
     pub(super) fn own(&self, metric: Metric) -> [f64; 2] {
         let of = |which: usize| {
             let pixels = self.looked.iter();
@@ -228,18 +227,18 @@ impl Known {
         [of(0), of(1)]
     }
 
-    /// Pixels that are looked at, and those of them that bounds prove to be so.
+    /// Compared pixels, and those with a proof.
     pub(super) fn counts(&self) -> [usize; 2] {
         [self.looked.len(), self.looked.iter().filter(|pixel| pixel.is_proven).count()]
     }
 
-    /// Whether all are looked at.
+    /// Whether all pixels are compared.
     pub(super) fn is_whole(&self) -> bool {
         self.looked.len() == self.size.iter().map(|side| *side as usize).product::<usize>()
     }
 }
 
-/// The channels that a metric is of.
+/// Channels of a metric.
 fn channels(metric: Metric) -> Range<usize> {
     match metric {
         Metric::Rmse | Metric::Covered | Metric::Max | Metric::P999 => 0..4,
@@ -248,15 +247,14 @@ fn channels(metric: Metric) -> Range<usize> {
     }
 }
 
-/// The error of the finest of three pictures, each with twice the samples of the one before, in parts of its difference from the
-/// second: Richardson's estimate by the order that the two differences show. Source: Roache 1994, with the order bounded.
+/// Error of the finest of three pictures, each with twice the samples of the one before, in parts of its difference from the second:
+/// Richardson's estimate with the observed order. Source: Roache 1994, with the order bounded.
 fn remaining(before: f64, difference: f64) -> f64 {
     let order = (before / difference.max(f64::MIN_POSITIVE)).log2().clamp(ORDERS[0], ORDERS[1]);
     1.0 / (2f64.powf(order) - 1.0)
 }
 
-/// Draws a scene with a painter, and gives its time on the device; or that of a picture of `times` as many pixels, whose
-/// shadow volume is the same one.
+/// Draws a scene. Beside the picture, the expected milliseconds of one with `times` as many pixels and the same shadow volume.
 pub(super) fn draw(painter: &mut Painter<'_>, scene: &Scene, times: f64) -> Result<(Frame, f64), RenderError> {
     let frame = painter.render(scene)?;
     let Measurements { gpu_ms, .. } = frame.measurements;

@@ -1,0 +1,58 @@
+//! The device, the modules and the child processes of a command.
+
+use hypertexture::gpu::{Gpu, GpuError, Options};
+use hypertexture::render::RenderError;
+use hypertexture::scene::Scene;
+use hypertexture::shader::Library;
+use measure::guard;
+use measure::worker::{PATIENCE, Start};
+use std::error::Error;
+use support::words;
+
+/// Opens the device and calls a function; once more if the device is lost meanwhile.
+pub(crate) fn with_device<T>(
+    options: &Options,
+    mut run: impl FnMut(&Gpu) -> Result<T, Box<dyn Error>>,
+) -> Result<T, Box<dyn Error>> {
+    let done = run(&Gpu::new(options)?);
+    let is_lost = |error: &(dyn Error + 'static)| match (error.downcast_ref(), error.downcast_ref()) {
+        (Some(RenderError::Gpu(error)), _) | (_, Some(error)) => GpuError::is_lost(error),
+        _ => false,
+    };
+    match done {
+        Err(error) if is_lost(&*error) => {
+            ::log::warn!("{error}: the device was lost; it is opened once more");
+            run(&Gpu::new(options)?)
+        }
+        done => done,
+    }
+}
+
+/// Start of a worker: this executable, on the chosen device.
+///
+/// # Errors
+/// The path of the executable is unknown.
+pub fn start(options: &Options) -> Result<Start, Box<dyn Error>> {
+    let program = std::env::current_exe()?;
+    Ok(Start { program, device: options.device.clone(), patience: PATIENCE })
+}
+
+/// Modules of a scene, checked. Those of the user are compiled in a child process.
+pub(crate) fn library(scene: &Scene) -> Result<Library, Box<dyn Error>> {
+    let library = scene.library()?.compiled_by(&std::env::current_exe()?);
+    scene.check(&library)?;
+    Ok(library)
+}
+
+/// Tries the user's modules of a scene in a child process before any other use; with `options`, on a device as well.
+pub(crate) fn try_modules(scene: &Scene, library: &Library, options: Option<&Options>) -> Result<(), Box<dyn Error>> {
+    let device = options.map(|options| options.device.as_deref().unwrap_or_default());
+    guard::try_modules(&std::env::current_exe()?, device, (scene, library), &|| false)?;
+    Ok(())
+}
+
+/// Absolute path, printable on one line.
+pub(crate) fn absolute(path: &std::path::Path) -> String {
+    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    words::line(&path.to_string_lossy()).into_owned()
+}

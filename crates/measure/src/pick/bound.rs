@@ -1,0 +1,115 @@
+//! Bounds of an error, and results of a pick.
+
+use crate::compare::{CompareError, Failure};
+use crate::metric::Metric;
+use crate::statistics::rounded_up;
+use hypertexture::render::{Frame, RenderError};
+use hypertexture::scene::Scene;
+use serde::{Deserialize, Serialize};
+
+/// Largest error of a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ErrorBound {
+    /// Metric of the error.
+    pub metric: Metric,
+    /// The largest error, above 0.
+    pub error: f64,
+}
+
+impl ErrorBound {
+    /// A bound on an error.
+    ///
+    /// # Errors
+    /// Not above 0, or not finite.
+    pub fn new(metric: Metric, error: f64) -> Result<ErrorBound, PickError> {
+        if !error.is_finite() || error <= 0.0 {
+            return Err(PickError::Value(error));
+        }
+        Ok(ErrorBound { metric, error })
+    }
+}
+
+/// Error of a whole picture.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Verified {
+    /// Upper bound of the error, with a confidence of 99.999 % in the choice of pixels; the estimated error of the reference is added.
+    pub error: f64,
+    /// Error estimated from the compared pixels.
+    pub found: f64,
+    /// Estimated error of the reference; a part of the error.
+    pub estimate: f64,
+    /// Error of the reference with all the opacity that its bounds leave open; not a part of the error.
+    pub open: f64,
+    /// Compared pixels, and those with a proof that the reference overlooks nothing.
+    pub pixels: [usize; 2],
+    /// Milliseconds on the device.
+    pub ms: f64,
+}
+
+/// A pick.
+#[derive(Clone, Debug)]
+pub struct Pick {
+    /// The scene with the picked settings.
+    pub scene: Scene,
+    /// The settings in words.
+    pub settings: String,
+    /// Error of the whole picture.
+    pub verified: Verified,
+    /// Reason for a comparison with a finer picture, if there is no reference.
+    pub unverified: Option<String>,
+    /// Candidates excluded by their bound, drawn ones, fitting ones; and methods left out for lack of time.
+    pub counts: [usize; 4],
+    /// Fastest fitting settings of another pass in words, and their time in parts of the pick's.
+    pub other: Option<(String, f64)>,
+    /// Candidates that failed.
+    pub failures: Vec<Failure>,
+    /// Whether it comes from the cache.
+    pub remembered: bool,
+    /// The whole picture, unless cached.
+    pub picture: Option<Frame>,
+}
+
+/// Errors of a pick.
+#[derive(Debug, thiserror::Error)]
+pub enum PickError {
+    /// A bound that is not above 0.
+    #[error("a largest error of {0}: it must be above 0, such as 1e-3")]
+    Value(f64),
+    /// The scene cannot be drawn.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// No settings draw it.
+    #[error(transparent)]
+    Compare(#[from] CompareError),
+    /// Stopped by the caller.
+    #[error("stopped")]
+    Stopped,
+    /// No candidate is that accurate.
+    #[error(
+        "no settings draw this scene with a {metric} error of {asked:e}: the nearest, {nearest}, has {}; {}try another `--metric`",
+        known(*found, *own),
+        allow.map(|error| format!("{error:e} can be kept: allow that, or ")).unwrap_or_default()
+    )]
+    Bound {
+        /// Metric of the error.
+        metric: Metric,
+        /// Requested bound.
+        asked: f64,
+        /// The nearest settings in words.
+        nearest: String,
+        /// Estimated error of the reference; a part of `found`.
+        own: f64,
+        /// Error of the nearest, or an upper bound of it.
+        found: f64,
+        /// A bound that was tried and kept.
+        allow: Option<f64>,
+    },
+}
+
+/// An error, with the share of the reference if that is above a tenth.
+fn known(error: f64, own: f64) -> String {
+    match own > 0.1 * error {
+        true => format!("{:.1e}, of which the truth may be wrong by {own:.1e} itself", rounded_up(error)),
+        false => format!("{:.1e}", rounded_up(error)),
+    }
+}
