@@ -52,7 +52,7 @@ fn every_case_holds() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn the_forms_of_the_papers_fail_where_they_are_known_to() {
+fn formulas_of_the_papers_fail_where_they_are_known_to() {
     const PAPER: &str = "float opacity(float density, float amount) { return 1.0 - pow(1.0 - density, amount); }\n\
                          float segment_opacity(float a, float b, float amount) { return opacity(0.5 * (a + b), amount); }\n";
     type Wrong = (&'static str, fn(&str) -> String, &'static [u32]);

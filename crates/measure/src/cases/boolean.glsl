@@ -1,5 +1,5 @@
-// The union of two densities that are all but 1, and their intersection, all but 0: 2 to the power of the place from there.
-// Result: union; intersection of the complements; what the densities are less than 1.
+// Union of two densities 2^place below 1, and intersection of their complements.
+// Result: union; intersection of the complements; distances of the densities from 1.
 #include <boolean>
 void main() {
     float gap = exp2(place());

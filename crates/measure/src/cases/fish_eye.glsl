@@ -1,4 +1,4 @@
-// Maxwell's fish-eye of radius 1: rays run in circles, and leave it opposite to where they came in.
+// Maxwell's fish-eye of radius 1: rays run in circles, and leave opposite to their entry.
 // Source: n = 2 / (1 + r^2).
 // x: object space.
 #include "index_point.glsl"

@@ -1,6 +1,5 @@
-// Noise of a lattice that repeats after setting.z + 1 cells, along a line that no axis has: at (t, t / 2, t / 4) and, in
-// the other directions, setting.w from there.
-// Result: noise; noise with its gradient: noise, its slope along x; the place t.
+// Noise of a lattice with period setting.z + 1 along the oblique line (t, t / 2 + setting.w, t / 4 + setting.w).
+// Result: noise; noise evaluated with its gradient; slope along x; t.
 #include "lattice_noise.glsl"
 void main() {
     float t = place();

@@ -1,4 +1,4 @@
-// The mean of the noise along z over a period, where x and y from -1/2 to 1/2 are a period.
+// Mean of the noise along z over a period; x and y from -1/2 to 1/2 span a period.
 // Source: -
 // Result: 0.5 + 0.5 mean, mean square, 0.
 #include <noise>

@@ -1,6 +1,5 @@
-// Opacity of an amount setting.z; where setting.w is 0 of densities that are the places, where it is 1 of 2 to the power of
-// them, where it is 2 of those subtracted from 1.
-// Result: of a point; of a segment to density 0.37 times its own; density at its beginning and end.
+// Opacity of an amount setting.z, for a density of place, 2^place or 1 - 2^place where setting.w is 0, 1 or 2.
+// Result: opacity of a point; of a segment to 0.37 times the density; density at its beginning and end.
 #include <opacity>
 void main() {
     float t = place();

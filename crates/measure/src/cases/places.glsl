@@ -1,7 +1,7 @@
 #version 450
-// A function at 4096 places of a line: the beginning of each function in crates/measure/src/cases.
+// Places on a line for a function in crates/measure/src/cases, which follows.
 // Source: -
-// setting: ends of the line and parameters; place: from setting.x in steps of a 4096th of the way to setting.y, f32.
+// place: one of 4096 from setting.x up to setting.y, f32.
 layout(set = 0, binding = 0) uniform Setting { vec4 setting; };
 layout(location = 0) out vec4 fragment;
 float part() { return (floor(gl_FragCoord.x) + 64.0 * floor(gl_FragCoord.y)) / 4096.0; }
