@@ -1,68 +1,69 @@
-//! The truths of `hypertexture verify`, on the device of the tests.
-//!
-//! The expected values are computed in f64 and share nothing with the GLSL. `--nocapture` prints the table.
+//! The cases of `hypertexture verify`, on the device of the tests; `--nocapture` prints the table.
 
 mod common;
 
 use common::{rays, with_gpu};
 use hypertexture::scene::{Pass, Projection};
-use measure::verify::{self, AnalyticCase, Bench, Measure, Row, SLANTED, TRUTHS, Truth};
-use std::collections::BTreeSet;
+use measure::cases::{self, AnalyticCase, Case, Lab, Measure, Report, Row, SLANTED, SOFT_BALLS, Suite, suite};
 use std::time::Instant;
+
+fn run(gpu: &hypertexture::gpu::Gpu, chosen: &[Case]) -> Report {
+    cases::run(gpu, cases::library(), chosen, &|_| ()).unwrap_or_else(|error| panic!("{error}"))
+}
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn every_truth_holds_on_this_device_in_both_passes() {
+fn every_case_holds_on_this_device_in_both_passes() {
     with_gpu(|gpu| {
         let start = Instant::now();
-        let report = verify::run(gpu, TRUTHS, &|_| ()).unwrap_or_else(|error| panic!("{error}"));
-        println!("{}{:.1} s", report.text(), start.elapsed().as_secs_f64());
-        let missed: Vec<String> = report.missed().map(Row::failure).collect();
-        assert!(missed.is_empty(), "{missed:?}");
-        for truth in TRUTHS {
-            let passes: BTreeSet<&str> =
-                report.rows.iter().filter(|row| row.truth == truth.name).map(|row| row.pass).collect();
-            // Slices alone are blended into a target, a picture for each of them.
-            let both = passes.contains("slices") && (passes.contains("march") || truth.name == "10 thin layers");
-            assert!(both, "{}: {passes:?}", truth.name);
+        let all: Vec<Case> = suite(Suite::Verify).collect();
+        let report = run(gpu, &all);
+        println!("{}{:.1} s", cases::table(&report), start.elapsed().as_secs_f64());
+        let failed: Vec<String> = report.failed().map(Row::title).collect();
+        assert!(failed.is_empty(), "{failed:?}");
+        // Slices bend no rays, and rays are not blended into a target.
+        for case in all.iter().filter(|case| !["lenses", "thin layers"].contains(&case.name)) {
+            let rows = || report.rows.iter().filter(|row| row.case == case.number);
+            let both = ["slices", "rays"].iter().all(|pass| rows().any(|row| row.what.ends_with(pass)));
+            assert!(both, "{}", case.name);
         }
-        // The control of the last truth: 8 bits lose most of what is there.
-        let unorm8 = report.rows.iter().find(|row| row.what == "unorm8 target").expect("a row of it");
-        assert!(unorm8.mean > 0.4, "{unorm8:?}");
     });
 }
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn a_wrong_formula_a_wrong_bound_and_a_wrong_order_are_found_and_named() {
-    let soft = verify::SOFT_BALLS[0];
-    let planted = |name, case: AnalyticCase| Truth { name, measure: Measure::Analytic(Box::leak(Box::new([case]))) };
-    let truths = [
-        // A thousandth of the opacity too much.
-        planted("the formula", AnalyticCase { truth: |ray| Some(1.001 * (verify::SOFT_BALLS[0].truth)(ray)?), ..soft }),
-        planted("the bound", AnalyticCase { bound: |_| 1e-9, ..soft }),
-        planted("the order", AnalyticCase { order: Some([3.5, 4.5]), ..soft }),
-        planted("nothing is known", AnalyticCase { truth: |_| None, ..soft }),
-        planted("nothing", soft),
+    let soft = SOFT_BALLS[0];
+    let planted = |name, case: AnalyticCase| {
+        let measure = Measure::Analytic(Box::leak(Box::new([case])));
+        Case { suite: Suite::Verify, number: 1, name, measure }
+    };
+    let planted = [
+        // 0.1 % too much opacity.
+        planted("formula", AnalyticCase { truth: |ray| Some(1.001 * (SOFT_BALLS[0].truth)(ray)?), ..soft }),
+        planted("bound", AnalyticCase { bound: |_| 1e-9, ..soft }),
+        planted("order", AnalyticCase { order: Some([3.5, 4.5]), ..soft }),
+        planted("unknown", AnalyticCase { truth: |_| None, ..soft }),
+        planted("none", soft),
     ];
     with_gpu(|gpu| {
-        let report = verify::run(gpu, &truths, &|_| ()).unwrap_or_else(|error| panic!("{error}"));
-        let missed: Vec<String> = report.missed().map(Row::failure).collect();
-        let both = |name: &str| ["slices", "march"].map(|pass| format!("{name} (parallel, {pass})"));
-        let told: Vec<_> = missed.iter().filter_map(|failure| failure.split_once(": ")).collect();
-        let titles: Vec<_> = told.iter().map(|(title, _)| *title).collect();
-        assert_eq!(titles, ["the formula", "the bound", "the order", "nothing is known"].map(both).concat());
-        assert!(told[2].1.ends_with(" samples, at most 1.0e-9"), "{missed:?}");
-        assert!(told[4].1.ends_with(", between 3.5 and 4.5"), "{missed:?}");
-        let text = report.text();
-        assert!(text.lines().filter(|line| line.ends_with("NO")).count() == 8, "{text}");
+        let report = run(gpu, &planted);
+        let failed: Vec<&Row> = report.failed().collect();
+        let names: Vec<_> = failed.iter().map(|row| (row.name, row.what.as_str())).collect();
+        let both = |name| ["slices", "rays"].map(|pass| (name, pass));
+        let expected = ["formula", "bound", "order", "unknown"].map(both).concat();
+        assert!(names.iter().zip(&expected).all(|(found, (name, pass))| found.0 == *name && found.1.ends_with(pass)));
+        assert_eq!(names.len(), expected.len());
+        assert!(failed[2].bound == 1e-9 && failed[4].error <= failed[4].bound, "{failed:?}");
+        let text = cases::table(&report);
+        assert!(text.lines().filter(|line| line.ends_with("FAIL")).count() == 8, "{text}");
     });
 }
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn a_slab_across_a_view_of_90_degrees_has_the_path_of_every_ray() {
-    // Effect of the correction: without it, the corner would have the optical depth of the middle.
+    // Without the correction the corner would have the optical depth of the middle.
     let (scene, subject) = SLANTED[0].in_pass(Pass::Slices);
     let rays = rays(&scene, &subject);
     let middle = rays.iter().min_by(|a, b| a.slant().total_cmp(&b.slant())).expect("a picture has rays");
@@ -70,18 +71,19 @@ fn a_slab_across_a_view_of_90_degrees_has_the_path_of_every_ray() {
     println!("corner: opacity {found:.4}, without the slant of {:.3} it is {short:.4}", rays[0].slant());
     assert!(1.0 - 1.0 / rays[0].slant() > 0.41 && found - short > 0.18);
     with_gpu(|gpu| {
-        let levels = SLANTED[0].levels(&Bench::new(gpu), Pass::Slices).unwrap_or_else(|error| panic!("{error}"));
+        let lab = Lab::new(gpu, cases::library()).expect("a GLSL compiler");
+        let levels = SLANTED[0].levels(&lab, Pass::Slices).unwrap_or_else(|error| panic!("{error}"));
         assert!(levels.len() == 2 && levels.iter().all(|level| level.max < 2e-5), "{levels:?}");
     });
 }
 
 #[test]
 fn the_table_shows_both_projections_of_every_picture_but_the_wide_one() {
-    for truth in TRUTHS {
-        if let Measure::Analytic(cases) = truth.measure {
+    for case in suite(Suite::Verify) {
+        if let Measure::Analytic(cases) = case.measure {
             let of = |projection| cases.iter().filter(|case| case.projection == projection).count();
             let [parallel, perspective] = [Projection::Parallel, Projection::Perspective].map(of);
-            assert!(parallel == perspective || cases.len() == 1, "{}", truth.name);
+            assert!(parallel == perspective || cases.len() == 1, "{}", case.name);
         }
     }
 }

@@ -3,13 +3,13 @@
 #![allow(dead_code, reason = "each file of tests uses its part of this")]
 
 #[allow(unused_imports, reason = "each file of tests uses its part of this")]
-pub use measure::verify::{Level, Ray, box_subject, homogeneous, rays};
+pub use measure::cases::{Level, Ray, box_subject, homogeneous, rays};
 
 use hypertexture::gpu::{Gpu, Options};
 use hypertexture::render::{Frame, Subject, render};
 use hypertexture::scene::Scene;
 use hypertexture::shader::{self, Library};
-use measure::verify;
+use measure::cases;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// The device of the tests that run now, and how many they are. They share it: the layer of Debian 12 crashes where one
@@ -73,7 +73,7 @@ pub fn picture(gpu: &Gpu, library: &Library, scene: &Scene, subject: &Subject) -
 }
 
 /// Renders with each number of samples and compares a channel with what `expected` says of a ray, as
-/// [`verify::levels`] does. Prints the table.
+/// [`cases::levels`] does. Prints the table.
 pub fn errors(
     gpu: &Gpu,
     library: &Library,
@@ -84,7 +84,7 @@ pub fn errors(
 ) -> Vec<Level> {
     let known = rays(scene, subject).iter().filter(|ray| expected(ray).is_some()).count();
     assert!(known > 100, "only {known} rays have a known answer");
-    let levels = verify::levels(gpu, library, scene, subject, samples, channel, expected);
+    let levels = cases::levels(gpu, library, scene, subject, samples, channel, expected);
     let levels = levels.unwrap_or_else(|error| panic!("{error}"));
     println!("{:?}\n    N  max error  mean error", scene.camera.projection);
     levels.iter().for_each(|row| println!("{:5}  {:.3e}   {:.3e}", row.samples, row.max, row.mean));

@@ -5,9 +5,9 @@ use glam::DVec3;
 use hypertexture::render::Subject;
 use hypertexture::scene::{Curve, EFFECTS, Filter, Integration, Pass, Scene, names, parse, preset};
 use hypertexture::shader::{self, Library};
+use measure::cases::{self, AnalyticCase, rays};
 use measure::reference::{TOLERANCE, reference, reference_pixels, truth_of};
 use measure::validity::{TRUSTED, validity};
-use measure::verify::{self, AnalyticCase, rays};
 
 /// Light and estimate of every pixel.
 fn found(library: &Library, scene: &Scene, subject: &Subject, tolerance: f64) -> Vec<([f64; 4], f64)> {
@@ -25,9 +25,8 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
 
 #[test]
 fn closed_forms_hold_in_every_pixel_to_a_hundred_thousandth() {
-    let library = verify::library();
-    let cases =
-        [verify::HOMOGENEOUS, verify::COLOR_BY_DEPTH, verify::SOFT_BALLS, verify::PERLIN_BALLS, verify::TWO_TONES];
+    let library = cases::library();
+    let cases = [cases::HOMOGENEOUS, cases::COLOR_BY_DEPTH, cases::SOFT_BALLS, cases::PERLIN_BALLS, cases::TWO_TONES];
     for case in cases.concat() {
         let (scene, subject) = case.in_pass(Pass::Slices);
         let AnalyticCase { truth, channel, variant: name, .. } = case;
@@ -165,8 +164,8 @@ fn every_preset_has_a_reference() {
 #[test]
 fn p28_rays_that_bend_are_known_better_than_the_device_can() {
     // In a Luneburg lens, parallel rays meet in a point behind it: in f32 they miss it by 3e-7.
-    let library = verify::library();
-    let mut scene = verify::clear("sphere", &[(0.0, 1.0), (1.0, 1.0)], Curve::Linear);
+    let library = cases::library();
+    let mut scene = cases::clear("sphere", &[(0.0, 1.0), (1.0, 1.0)], Curve::Linear);
     scene.effect.index = "luneburg".into();
     let asked = |probe: &str| {
         let mut scene = scene.clone();
@@ -177,7 +176,7 @@ fn p28_rays_that_bend_are_known_better_than_the_device_can() {
     let ((directions, rays), (moments, _)) = (asked("exit_direction"), asked("exit_moment"));
     let vector = |(light, _): &([f64; 4], f64)| DVec3::new(light[0], light[1], light[2]);
     let inside = rays.iter().zip(&directions).zip(&moments).filter(|((ray, _), _)| ray.impact() < 0.95);
-    let miss = inside.map(|((ray, d), m)| verify::luneburg_miss(ray.along, [vector(d), vector(m)]));
+    let miss = inside.map(|((ray, d), m)| cases::luneburg_miss(ray.along, [vector(d), vector(m)]));
     let miss = largest(miss);
     println!("miss {miss:.1e}");
     assert!(miss < 1e-7, "{miss:e}");

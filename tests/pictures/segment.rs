@@ -3,7 +3,7 @@
 use crate::common::{difference, errors, formula, homogeneous, picture, subject, with_gpu};
 use hypertexture::scene::{EFFECTS, EmptySpace, Integration, Pass, Projection, preset};
 use hypertexture::shader;
-use measure::verify::{self, AnalyticCase, Bench, Level, PASSES, TWO_TONE, order, two_tone};
+use measure::cases::{self, AnalyticCase, Lab, Level, PASSES, TWO_TONE, order, two_tone};
 
 const PROJECTIONS: [Projection; 2] = [Projection::Parallel, Projection::Perspective];
 const DOUBLING: [u32; 6] = [32, 64, 128, 256, 512, 1024];
@@ -16,13 +16,13 @@ fn overall(rows: &[Level]) -> f64 {
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p45_the_two_tone_sphere_is_of_second_order_by_segments() {
     with_gpu(|gpu| {
-        let bench = Bench::new(gpu);
+        let lab = Lab::new(gpu, cases::library()).expect("a GLSL compiler");
         let [points, segments]: [Vec<_>; 2] = ["points", "segments"]
-            .map(|integration| verify::TWO_TONES.iter().filter(|case| case.variant == integration).collect());
+            .map(|integration| cases::TWO_TONES.iter().filter(|case| case.variant == integration).collect());
         for (point, segment) in points.into_iter().zip(segments) {
-            let control = levels(point, &bench, Pass::March);
-            for pass in PASSES {
-                let segments = levels(segment, &bench, pass);
+            let control = levels(point, &lab, Pass::March);
+            for (pass, _) in PASSES {
+                let segments = levels(segment, &lab, pass);
                 let (point, segment) = (&control[1], &segments[1]);
                 println!("{pass:?}, {} samples: points {point:?}, segments {segment:?}", segment.samples);
                 assert!(segment.samples == 256 && segment.mean <= 4e-5, "{segment:?}");
@@ -33,8 +33,8 @@ fn p45_the_two_tone_sphere_is_of_second_order_by_segments() {
     });
 }
 
-fn levels(case: &AnalyticCase, bench: &Bench<'_>, pass: Pass) -> Vec<Level> {
-    case.levels(bench, pass).unwrap_or_else(|error| panic!("{error}"))
+fn levels(case: &AnalyticCase, lab: &Lab<'_>, pass: Pass) -> Vec<Level> {
+    case.levels(lab, pass).unwrap_or_else(|error| panic!("{error}"))
 }
 
 #[test]
@@ -59,7 +59,7 @@ fn m30_a_hard_surface_is_found_within_the_step() {
     let place = "// Depth.\n// Source: -\n// Result: 0.5 + 0.5 z.\nvec3 surface(Sample s) { return vec3(0.5 + 0.5 * s.x.z); }\n";
     let library = shader::shipped().with_module("surface", "place", place);
     with_gpu(|gpu| {
-        for (projection, pass) in PROJECTIONS.into_iter().zip(PASSES) {
+        for (projection, (pass, _)) in PROJECTIONS.into_iter().zip(PASSES) {
             let [point, segment] = [Integration::Point, Integration::Segment].map(|integration| {
                 let mut scene = homogeneous("sphere", 1.0, projection);
                 (scene.effect.classify, scene.effect.surface) = ("surface".into(), "place".into());
@@ -88,7 +88,7 @@ fn m30_a_cut_is_where_its_plane_is() {
     let library = shader::shipped().with_module("surface", "place", place);
     with_gpu(|gpu| {
         for (classify, softness) in [("surface", "hard"), ("soft", "linear")] {
-            for pass in PASSES {
+            for (pass, _) in PASSES {
                 let mut scene = homogeneous("cube", 1.0, Projection::Perspective);
                 (scene.effect.classify, scene.effect.surface) = (classify.into(), "place".into());
                 (scene.effect.softness, scene.effect.opacity) = (softness.into(), "perlin".into());

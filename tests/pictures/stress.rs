@@ -1,18 +1,18 @@
-//! The stability laboratory: every case holds on this device, and a mistake in what it looks at is found.
+//! The cases of `stress` and the sweeps of scenes: each case holds on this device, and detects a planted mistake.
 
 use crate::common::with_gpu;
 use hypertexture::scene::{ParameterValue, preset};
 use hypertexture::shader::{self, Library};
-use measure::stress::{self, CASES, Case, Stress, chart_page, sweep, table};
-use measure::verify;
+use measure::cases::{self, CASES, Case, Report, Row, Suite, chart_page, library, suite, table};
+use measure::sweep::sweep;
 
 fn of(numbers: &[u32]) -> Vec<Case> {
-    CASES.iter().filter(|case| numbers.contains(&case.number)).copied().collect()
+    suite(Suite::Stress).filter(|case| numbers.contains(&case.number)).collect()
 }
 
 /// The library with another text for one of its files.
 fn with(path: &str, change: impl Fn(&str) -> String) -> Library {
-    let library = verify::library();
+    let library = library();
     assert!(library.source(path).is_some(), "{path}");
     let files =
         library.sources().map(|(own, text)| (own.to_string(), if own == path { change(text) } else { text.into() }));
@@ -21,19 +21,24 @@ fn with(path: &str, change: impl Fn(&str) -> String) -> Library {
 
 #[test]
 fn the_cases_are_numbered_without_a_gap() {
-    assert!(CASES.iter().map(|case| case.number).eq(1..=CASES.len() as u32));
+    for command in [Suite::Verify, Suite::Stress] {
+        let numbers: Vec<u32> = suite(command).map(|case| case.number).collect();
+        assert!(numbers.iter().copied().eq(1..=numbers.len() as u32), "{command:?}: {numbers:?}");
+    }
+    assert_eq!(CASES.len(), suite(Suite::Verify).chain(suite(Suite::Stress)).count());
 }
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn every_case_holds_and_tells_what_it_found() {
+fn every_case_holds() {
     with_gpu(|gpu| {
-        let found = stress::run(gpu, verify::library(), CASES, &|_| ()).unwrap();
+        let all: Vec<Case> = suite(Suite::Stress).collect();
+        let found = cases::run(gpu, library(), &all, &|_| ()).unwrap();
         println!("{}", table(&found));
-        let failed: Vec<String> = found.failed().map(stress::Row::title).collect();
+        let failed: Vec<String> = found.failed().map(Row::title).collect();
         assert_eq!(failed, Vec::<String>::new());
         assert!(found.rows.len() >= 400, "{} rows", found.rows.len());
-        for case in CASES {
+        for case in all {
             let rows = found.rows.iter().filter(|row| row.case == case.number).count();
             assert!(rows >= 3, "case {}, {}: {rows} rows", case.number, case.name);
         }
@@ -47,7 +52,7 @@ fn every_case_holds_and_tells_what_it_found() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn the_forms_of_the_papers_fail_where_they_are_known_to() {
+fn formulas_of_the_papers_fail_where_they_are_known_to() {
     const PAPER: &str = "float opacity(float density, float amount) { return 1.0 - pow(1.0 - density, amount); }\n\
                          float segment_opacity(float a, float b, float amount) { return opacity(0.5 * (a + b), amount); }\n";
     type Wrong = (&'static str, fn(&str) -> String, &'static [u32]);
@@ -63,11 +68,11 @@ fn the_forms_of_the_papers_fail_where_they_are_known_to() {
         // A highlight that asks for no mirror.
         ("refract.frag", |text| text.replace("min(head_on * head_on / GLASS, 1.0)", "1.0"), &[33]),
         // Time as f32 has it.
-        ("dmf/fire.glsl", |text| text.replace("// @drift", "// drift"), &[45]),
+        ("dmf/fire.glsl", |text| text.replace("// @drift", "// drift"), &[41]),
     ];
     with_gpu(|gpu| {
         for (path, change, numbers) in wrong {
-            let found = stress::run(gpu, with(path, change), &of(numbers), &|_| ()).unwrap();
+            let found = cases::run(gpu, with(path, change), &of(numbers), &|_| ()).unwrap();
             for number in numbers {
                 let failed = found.failed().filter(|row| row.case == *number).count();
                 assert!(failed > 0, "{path}: case {number} does not see it:\n{}", table(&found));
@@ -81,8 +86,8 @@ fn the_forms_of_the_papers_fail_where_they_are_known_to() {
 fn a_case_that_cannot_be_drawn_is_a_row_that_fails() {
     with_gpu(|gpu| {
         let broken = with("opacity/perlin.glsl", |_| "no GLSL".into());
-        let found: Stress = stress::run(gpu, broken, &of(&[10, 24]), &|_| ()).unwrap();
-        let failed: Vec<&stress::Row> = found.failed().collect();
+        let found: Report = cases::run(gpu, broken, &of(&[10, 24]), &|_| ()).unwrap();
+        let failed: Vec<&Row> = found.failed().collect();
         assert_eq!(failed.len(), 1);
         assert!(failed[0].found.contains("opacity/perlin.glsl"), "{}", failed[0].found);
         assert!(found.rows.len() > 10, "the other case has its rows");
@@ -107,12 +112,11 @@ fn a_sweep_finds_the_worst_corner_and_what_is_no_number() {
         let library = shader::shipped().with_module("dmf", "planted", PLANTED);
         let mut scene = preset("lit").unwrap();
         scene.object.input = "sphere".into();
-        scene.object.input = "sphere".into();
         (scene.effect.dmf, scene.effect.classify) = (vec!["planted".into()], "soft".into());
         scene.quality.samples = 32;
         (scene.object.inner_iso, scene.object.outer_iso) = (-0.5, 0.3);
         let found = sweep(gpu, &library, &scene, &|_| ()).unwrap();
-        assert!(found.taken.is_empty(), "{:?}", found.taken);
+        assert!(found.accepted.is_empty(), "{:?}", found.accepted);
         assert!(!found.ok(), "{:#?}", found.corners);
         let faults: Vec<_> = found.corners.iter().filter(|corner| !corner.ok).collect();
         assert_eq!(faults.len(), 1, "{faults:?}");

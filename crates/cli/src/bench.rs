@@ -1,4 +1,4 @@
-//! `bench`: what effects, scenes and fields cost on this device, and what got slower since a saved run.
+//! `bench`: run times of effects, scenes and fields on this device, and changes since a saved run.
 
 use super::compare::Failed;
 use super::sequence::{Interrupted, stop_flag};
@@ -11,15 +11,15 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use support::{open, write_whole};
 
-/// Timed runs of a row, unless said otherwise, and if it is to be quick.
+/// Timed runs of a row by default, and with `--quick`.
 const REPEAT: [usize; 2] = [7, 3];
-/// Bytes that a saved run may have.
+/// Largest saved run, bytes.
 const LONGEST: u64 = 16 << 20;
 
 /// Arguments of `bench`.
 #[derive(Args)]
 pub struct Bench {
-    /// Only rows of which the name holds one of these, such as effects, fur or "growth/"; all, unless some are given.
+    /// Only rows whose name contains one of these, such as effects, fur or "growth/"; by default all.
     #[arg(value_name = "ROWS")]
     rows: Vec<String>,
     /// Fewer runs, and no picture above 300 x 300: a minute or two on two cores.
@@ -28,16 +28,16 @@ pub struct Bench {
     /// Timed runs of each row, 1 to 1000 [default: 7; quick: 3].
     #[arg(long, value_name = "RUNS")]
     repeat: Option<usize>,
-    /// Writes all that was timed into this file too.
+    /// Also writes all times into this file.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Says which rows got slower or faster than in this file. --json wrote the file on the same device. The exit code is 1
-    /// where a row got slower.
+    /// Reports which rows got slower or faster than in this file, written by --json on the same device. The exit code is 1 if
+    /// a row got slower.
     #[arg(long, value_name = "FILE")]
     baseline: Option<PathBuf>,
 }
 
-/// Times, prints the table, and holds it against a saved one.
+/// Times the rows, prints the table, and compares it with a saved run.
 pub(super) fn run(command: &Bench, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     let repeats = command.repeat.unwrap_or(REPEAT[usize::from(command.quick)]);
     if !(1..=1000).contains(&repeats) {
@@ -50,16 +50,18 @@ pub(super) fn run(command: &Bench, options: &Options, quiet: bool) -> Result<(),
     let library = bench::library();
     let groups = bench::suite(&library, command.quick, &command.rows)?;
     if groups.is_empty() {
-        return Err(
-            format!("{}: no row has such a name; try effects, scenes or growth", command.rows.join(", ")).into()
-        );
+        return Err(format!(
+            "{}: no row has such a name; try effects, scenes, growth, encodings or proxies",
+            command.rows.join(", ")
+        )
+        .into());
     }
     let gpu = Gpu::new(options)?;
     let changes = |now: &bench::Bench| match (&saved, &command.baseline) {
         (Some(saved), Some(path)) => bench::changes(saved, now).map_err(|error| format!("{}: {error}", path.display())),
         _ => Ok(Vec::new()),
     };
-    changes(&bench::Bench::here(&gpu))?; // a file of another device is refused before anything is timed
+    changes(&bench::Bench::here(&gpu))?; // an error before anything is timed
     let flag = stop_flag()?;
     let stop = || flag.load(Ordering::Relaxed);
     let found = announced(quiet, "bench", |progress| {
@@ -76,7 +78,7 @@ pub(super) fn run(command: &Bench, options: &Options, quiet: bool) -> Result<(),
     }
     let changes = changes(&found)?;
     if saved.is_some() {
-        say(&said(&changes));
+        say(&format_changes(&changes));
     }
     if found.partial {
         return Err(Interrupted("interrupted: the rows that were timed are above".into()).into());
@@ -98,8 +100,8 @@ fn read(path: &Path) -> Result<bench::Bench, Box<dyn Error>> {
     serde_json::from_str(&text).map_err(|error| fails(&format!("no file that `bench --json` wrote: {error}")).into())
 }
 
-/// What changed, a line each.
-fn said(changes: &[Change]) -> String {
+/// One line for each change.
+fn format_changes(changes: &[Change]) -> String {
     let line = |change: &Change| {
         let (how, factor) = if change.times > 1.0 { ("slower", change.times) } else { ("faster", 1.0 / change.times) };
         format!("{how}     {factor:.2} times: {}\n", change.name)

@@ -4,7 +4,6 @@ use crate::args::{Arguments, Command};
 use crate::compare::Failed;
 use crate::sequence::Interrupted;
 use crate::terminal::{UNSAID, complain, say, say_json};
-use crate::verify::Disagreement;
 #[cfg(feature = "viewer")]
 use crate::view::{self, NoWindow};
 use crate::{
@@ -30,8 +29,6 @@ const NUMBERS: [(&str, &str); 3] = [
 ];
 /// Exit code of bad input.
 const BAD_INPUT: u8 = 2;
-/// Exit code of `verify` for a device or a picture that misses its bound.
-const DISAGREES: u8 = 1;
 
 /// Exit code of an interrupted program, by the convention of shells: 128 + SIGINT.
 pub const INTERRUPTED: u8 = 130;
@@ -76,10 +73,6 @@ pub fn main() -> ExitCode {
         Err(error) if error.is::<NoWindow>() => {
             complain(&format!("error: {error}"));
             ExitCode::from(viewer::NO_WINDOW)
-        }
-        Err(error) if error.is::<Disagreement>() => {
-            complain(&error.to_string());
-            ExitCode::from(DISAGREES)
         }
         Err(error) => {
             complain(&format!("error: {error}{}", flag_of(&*error)));

@@ -327,9 +327,7 @@ fn format_prediction(scene: &Scene, prediction: &Prediction) -> String {
     let seconds = |ms: f64| format!("{:.2} s", ms * 1e-3);
     let time = |e: &Estimate| format!("{} ({} to {})", seconds(e.expected), seconds(e.low), seconds(e.high));
     let [width, height] = scene.image.size;
-    let Prediction { probes, slices, .. } = prediction;
-    let sizes = probes.chunk_by(|a, b| a.size == b.size);
-    let sizes = sizes.map(|same| format!("{} of {} x {}", same.len(), same[0].size[0], same[0].size[1]));
+    let Prediction { probe, slices, .. } = prediction;
     let millions = |count: f64| count * 1e-6;
     let count = match (scene.quality.pass, prediction.fragments) {
         (Pass::March, Some(rays)) => {
@@ -344,9 +342,10 @@ fn format_prediction(scene: &Scene, prediction: &Prediction) -> String {
         (Pass::Slices, None) => format!("slices     {slices}; the device does not count fragments"),
     };
     format!(
-        "probes     {}: {} in all\n{count}\ndevice     {} for {width} x {height}\n\
+        "probes     up to {} x {}: {} in all\n{count}\ndevice     {} for {width} x {height}\n\
          expected   {} in all, without the distance field and the writing of the file\n",
-        sizes.collect::<Vec<_>>().join(", "),
+        probe[0],
+        probe[1],
         seconds(prediction.spent_ms),
         time(&prediction.device_ms),
         time(&prediction.total_ms),

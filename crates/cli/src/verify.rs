@@ -1,6 +1,8 @@
-//! `verify`: the truths on the device at hand, or a picture against its own scene.
+//! `verify`: analytic cases on the device at hand, or a picture compared with its scene.
 
+use super::compare::Failed;
 use super::scene_arguments::reach;
+use super::stress::conclude;
 use super::{announced, say, say_json};
 use clap::Args;
 use hypertexture::field::Progress;
@@ -9,11 +11,11 @@ use hypertexture::output::{self, PROGRAM};
 use hypertexture::render::{Subject, render};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
+use measure::cases::{self, Suite};
+use measure::picture_check::{self, CheckError, CheckOptions, PixelTruth, Verdict};
 use measure::reference::{Reference, ReferenceError, TOLERANCE, converged_settings, reference_pixels};
-use measure::verify::{self, CheckError, CheckOptions, PixelTruth};
 use serde_json::json;
 use std::error::Error;
-use std::fmt;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use support::words;
@@ -21,21 +23,21 @@ use support::words;
 /// Arguments of `verify`.
 #[derive(Args)]
 pub struct Verify {
-    /// A picture that this program has written: .png or .exr; without one, the device is verified.
+    /// A picture written by this program, .png or .exr; without one, the device is verified.
     pub image: Option<PathBuf>,
-    /// How many pixels of the picture are held against the truth.
+    /// Number of pixels that are compared with the ground truth.
     #[arg(long, default_value_t = 1000, requires = "image", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub pixels: u32,
-    /// Which pixels.
+    /// Seed of the choice of pixels.
     #[arg(long, default_value_t = 0, requires = "image")]
     pub seed: u64,
-    /// The error of linear light that is allowed: rmse, or rgb over a background; without it, 0.1, and what `quality.early_termination` leaves out.
+    /// Largest error of linear light: rmse, or rgb over a background; without it, 0.1 plus `quality.early_termination`.
     #[arg(long, requires = "image", value_parser = bound)]
     pub bound: Option<f64>,
-    /// Everything as JSON.
+    /// Prints one JSON object.
     #[arg(long)]
     pub json: bool,
-    /// Let the picture name any file. Without this its files must be below its folder or the current one.
+    /// Lets the picture name any file. Without this, its files must be below its folder or the current one.
     #[arg(long, requires = "image")]
     pub outside: bool,
 }
@@ -44,44 +46,26 @@ fn bound(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|bound| (0.0..=1.0).contains(bound)).ok_or_else(|| "must be from 0 to 1".into())
 }
 
-/// Something is not as it must be.
-#[derive(Debug)]
-pub struct Disagreement(String);
-
-impl fmt::Display for Disagreement {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl Error for Disagreement {}
-
 /// Verifies the device, or a picture.
 pub fn run(command: &Verify, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     match &command.image {
-        None => truths(options, command.json, quiet),
+        None => device(options, command.json, quiet),
         Some(image) => picture(image, command, options, quiet),
     }
 }
 
-fn truths(options: &Options, json: bool, quiet: bool) -> Result<(), Box<dyn Error>> {
+fn device(options: &Options, json: bool, quiet: bool) -> Result<(), Box<dyn Error>> {
     let gpu = Gpu::new(options)?;
     let start = Instant::now();
-    let report = announced(quiet, "truths", |progress| verify::run(&gpu, verify::TRUTHS, progress))?;
-    let (missed, all) = (report.missed().map(verify::Row::failure).collect::<Vec<_>>(), report.rows.len());
-    let (device, seconds) = (gpu.info().title(), start.elapsed().as_secs_f64());
+    let chosen: Vec<cases::Case> = cases::suite(Suite::Verify).collect();
+    let report = announced(quiet, "cases", |progress| cases::run(&gpu, cases::library(), &chosen, progress))?;
     if json {
+        let (holds, seconds) = (report.failed().next().is_none(), start.elapsed().as_secs_f64());
         say_json(&json!({
-            "program": PROGRAM, "device": device, "holds": missed.is_empty(), "rows": report.rows, "seconds": seconds,
+            "program": PROGRAM, "device": gpu.info().title(), "holds": holds, "rows": report.rows, "seconds": seconds,
         }))?;
-    } else if !quiet {
-        let count = all - missed.len();
-        say(&format!("{}{count} of {all} rows hold on {device}, in {seconds:.1} s\n", report.text()));
     }
-    match missed.is_empty() {
-        true => Ok(()),
-        false => Err(Disagreement(format!("{} of {all} bounds missed: {}", missed.len(), missed.join("; "))).into()),
-    }
+    conclude(&report, &gpu, quiet || json)
 }
 
 fn picture(image: &Path, command: &Verify, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
@@ -95,24 +79,24 @@ fn picture(image: &Path, command: &Verify, options: &Options, quiet: bool) -> Re
     let known = |scene: &Scene, subject: &Subject, pixels: &[[u32; 2]], progress: Progress<'_>| {
         truth(&gpu, &library, scene, subject, pixels, progress)
     };
-    let agreement =
-        announced(quiet, "verifying", |progress| verify::check(&gpu, &library, image, &asked, progress, &known));
-    let agreement = match agreement {
+    let verdict =
+        announced(quiet, "verifying", |progress| picture_check::check(&gpu, &library, image, &asked, progress, &known));
+    let verdict = match verdict {
         Err(error @ CheckError::NotFinite { .. }) => Err(error.to_string()),
-        agreement => Ok(agreement?),
+        verdict => Ok(verdict?),
     };
-    let disagreement = match &agreement {
-        Ok(agreement) => wrong(agreement).map(|wrong| format!("{}: {wrong}", image.display())),
+    let disverdict = match &verdict {
+        Ok(verdict) => fault(verdict).map(|wrong| format!("{}: {wrong}", image.display())),
         Err(error) => Some(error.clone()),
     };
     if command.json {
-        let facts = agreement.as_ref().ok().map(|found| {
+        let facts = verdict.as_ref().ok().map(|found| {
             json!({
                 "is_of_scene": found.is_of_scene(), "is_accurate": found.is_accurate(), "same_device": found.same_device,
-                "redrawn": { "pixels": found.redrawn[1], "changed": found.redrawn[0], "foreign": found.foreign },
+                "redrawn": { "pixels": found.rerendered[1], "changed": found.rerendered[0], "foreign": found.foreign },
                 "truth": {
                     "source": found.source, "pixels": found.pixels, "proven": found.proven,
-                    "known_by_samples": found.own[0], "known_by_proof": found.own[1],
+                    "known_by_samples": found.truth_error[0], "known_by_proof": found.truth_error[1],
                 },
                 "errors": found.errors, "metric": found.metric.to_string(), "error": found.error(), "bound": found.bound,
                 "explained_by_codes": found.codes, "explained_by_step": found.step, "pixels_beyond": found.beyond,
@@ -120,26 +104,26 @@ fn picture(image: &Path, command: &Verify, options: &Options, quiet: bool) -> Re
         });
         say_json(&json!({
             "picture": image.display().to_string(), "program": provenance.program, "device": provenance.device,
-            "scene_hash": provenance.scene_hash, "disagreement": disagreement, "agreement": facts,
+            "scene_hash": provenance.scene_hash, "disverdict": disverdict, "agreement": facts,
         }))?;
-    } else if let Some(agreement) = agreement.ok().filter(|_| !quiet) {
+    } else if let Some(verdict) = verdict.ok().filter(|_| !quiet) {
         let hash = provenance.scene_hash.get(..16).unwrap_or(&provenance.scene_hash);
         let inputs: Vec<&str> = provenance.inputs.keys().map(String::as_str).collect();
         let inputs = if inputs.is_empty() { String::new() } else { format!("; unchanged: {}", inputs.join(", ")) };
         let about = format!("by {} on {}; scene {hash}{inputs}", provenance.program, provenance.device);
-        say(&format!("picture    {}\n{}", words::line(&about), agreement.text()));
-        if disagreement.is_none() {
-            let (metric, error) = (agreement.metric, agreement.error());
+        say(&format!("picture    {}\n{}", words::line(&about), verdict.text()));
+        if disverdict.is_none() {
+            let (metric, error) = (verdict.metric, verdict.error());
             say(&format!("the picture is what its scene gives, and off by {metric} {error:.1e} from the truth\n"));
         }
     }
-    disagreement.map_or(Ok(()), |line| Err(Disagreement(line).into()))
+    disverdict.map_or(Ok(()), |line| Err(Failed(line).into()))
 }
 
-/// The fault of a picture that its scene or the truth contradicts.
-fn wrong(agreement: &verify::Agreement) -> Option<String> {
-    let verify::Agreement { redrawn: [changed, all], foreign, metric, bound, .. } = agreement;
-    match (agreement.is_of_scene(), agreement.is_accurate()) {
+/// The fault of a picture, if any.
+fn fault(verdict: &Verdict) -> Option<String> {
+    let Verdict { rerendered: [changed, all], foreign, metric, bound, .. } = verdict;
+    match (verdict.is_of_scene(), verdict.is_accurate()) {
         (true, true) => None,
         (false, _) => Some(format!(
             "this is not what its scene gives: {changed} of {all} pixels changed, {foreign} of them to what is not around them"
@@ -147,12 +131,12 @@ fn wrong(agreement: &verify::Agreement) -> Option<String> {
         (true, false) => Some(format!(
             "this is what its scene gives, and that is not accurate: off by {metric} {:.1e} from the truth where {bound:.1e} is \
              allowed",
-            agreement.error()
+            verdict.error()
         )),
     }
 }
 
-/// What knows the pixels of a scene: the f64 reference; where there is none, a second rendering.
+/// Ground truth of pixels: the f64 reference, or a second rendering where there is no reference.
 fn truth(
     gpu: &Gpu,
     library: &Library,

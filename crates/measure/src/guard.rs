@@ -1,9 +1,9 @@
-//! The trial of a person's modules before any command draws, evaluates or measures with them: a crash, a hang or a hunger for
-//! memory of the GLSL compiler, of the evaluator or of the driver is one line of text.
+//! Trial of custom modules in a child process, before any command uses them: a crash, a hang or excessive memory of the GLSL
+//! compiler, the evaluator or the driver becomes one line of text.
 //!
-//! Role: [`try_modules`] has a child process link the programs of a scene, evaluate some places of a picture, and draw a few
-//! rays at an object that ships. The child is this very program with a hidden command ([`serve`]). Invariant: all of that has one
-//! budget of processor time and one of memory ([`limits`]); a scene whose modules all ship costs nothing.
+//! Role: [`try_modules`] links the programs of a scene, evaluates some places of its picture, and renders a few rays of a
+//! shipped object, all in a child: this program with a hidden command ([`serve`]). Invariant: one budget of processor time and
+//! memory ([`limits`]); a scene of shipped modules starts no child.
 
 use hypertexture::gpu::{Gpu, Options};
 use hypertexture::render::variant::{Variant, VariantError};
@@ -20,26 +20,26 @@ use support::watch::processor_time;
 
 /// Name of the hidden command.
 pub const COMMAND: &str = "try";
-/// Pixels along a side of the picture, and all of them.
+/// Pixels along a side of the picture.
 const SIDE: u32 = 8;
-/// Rays of the picture.
+/// Number of rays of the picture.
 pub const RAYS: u32 = SIDE * SIDE;
-/// Samples of a ray, at most. More say nothing else about a module, and take the time of a slow one.
+/// Largest number of samples of a ray. Higher: a slow module takes longer, and no further fault is found.
 const SAMPLES: u32 = 64;
-/// Texels along a side of the volume of shadows, at most.
+/// Largest side of the shadow volume, texels.
 const SHADOW: u32 = 16;
-/// The object in place of one that is no formula, and its voxels: whatever a person's object takes, this takes little.
-const STANDS_IN: &str = "pawn";
+/// Object in place of meshes and volumes, and its voxels; it loads fast.
+const STAND_IN: &str = "pawn";
 const RESOLUTION: u32 = 32;
-/// Milliseconds on the device from which a software driver's own time is asked for.
+/// Milliseconds on the device from which the processor time of a software driver is measured.
 const SLOW_MS: f64 = 1000.0;
 
-/// What all of a trial may take, in all of its threads.
+/// Limits of a trial, over all of its threads.
 pub fn limits() -> Limits {
     Limits { time: Duration::from_secs(10), memory_mib: 2048, answer_bytes: 1 << 16 }
 }
 
-/// A scene, and the modules that are not as shipped.
+/// A scene, and the modules that differ from the shipped ones.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Job {
@@ -48,7 +48,7 @@ struct Job {
     draws: bool,
 }
 
-/// The files of a scene's programs that do not ship.
+/// Files of a scene's programs that differ from the shipped ones.
 pub fn own_files(scene: &Scene, library: &Library) -> Result<BTreeMap<String, String>, VariantError> {
     let mut changed = shader::changed(library);
     if !changed.is_empty() {
@@ -58,18 +58,18 @@ pub fn own_files(scene: &Scene, library: &Library) -> Result<BTreeMap<String, St
     Ok(changed)
 }
 
-/// The programs of a scene: of its picture, and of its shadows where it casts some.
+/// Programs of a scene: of its picture, and of its shadows if it casts any.
 pub fn programs(scene: &Scene, library: &Library) -> Result<Vec<Variant>, VariantError> {
     let picture = Variant::of(scene, library)?;
     let shadow = scene.light.shadows.then(|| picture.shadow(scene, library)).transpose()?;
     Ok([picture].into_iter().chain(shadow).collect())
 }
 
-/// The scene in a few rays at an object that takes no time.
+/// The scene in a few rays of an object that loads fast.
 fn small(scene: &Scene) -> Scene {
     let mut small = scene.clone();
     small.image.size = [SIDE; 2];
-    // What multiplies rays says nothing about one.
+    // Multiples of rays show no further faults.
     (small.quality.msaa, small.quality.supersampling) = (1, 1);
     small.quality.samples = small.quality.samples.min(SAMPLES);
     small.light.shadow_resolution = small.light.shadow_resolution.min(SHADOW);
@@ -77,7 +77,7 @@ fn small(scene: &Scene) -> Scene {
     let parts = small.parts.values_mut().map(|part| &mut part.object);
     for object in parts.chain([&mut small.object]).filter(|object| !object.is_formula()) {
         *object = Object {
-            input: STANDS_IN.into(),
+            input: STAND_IN.into(),
             resolution: RESOLUTION,
             iso: None,
             shell: 0.0,
@@ -88,12 +88,12 @@ fn small(scene: &Scene) -> Scene {
     small
 }
 
-/// Tries the modules of a scene that do not ship in a child process: `program` is the executable of hypertexture. With a name
-/// of a device, or an empty one for the device at hand, a few rays are drawn on it: their milliseconds. `is_stale` is asked now
-/// and then: once it says yes, the child is ended.
+/// Tries the custom modules of a scene in a child process of `program`, the executable of hypertexture. With a name of a
+/// device, empty for the default one, a few rays are rendered on it, and their milliseconds returned. The child is ended once
+/// `is_stale` returns true.
 ///
 /// # Errors
-/// Why nothing may be done with them.
+/// The fault of the modules.
 pub fn try_modules(
     program: &Path,
     device: Option<&str>,
@@ -107,7 +107,7 @@ pub fn try_modules(
     compile::check_lengths(&changed)?;
     let names = compile::names(&changed);
     let mut bare = scene.clone();
-    bare.modules.clear(); // their texts come beside it
+    bare.modules.clear(); // their texts are in `changed`
     let job = Job { scene: scene::to_text(&bare), changed, draws: device.is_some() };
     let limits = limits();
     let trial = Trial {
@@ -129,7 +129,7 @@ pub fn try_modules(
     }
 }
 
-/// What it means that the child has failed after so many stages.
+/// The error of a child that failed after this many stages.
 fn failed(stages: usize, failure: Failure) -> CompileError {
     match stages {
         0 => compile::compiler(failure),
@@ -141,10 +141,10 @@ fn failed(stages: usize, failure: Failure) -> CompileError {
     }
 }
 
-/// What the child does: reads a scene, tries it, answers.
+/// The child process: reads a scene, tries it, and answers.
 ///
 /// # Errors
-/// The scene cannot be read or the answer not be written.
+/// The scene cannot be read, or the answer not be written.
 pub fn serve(input: impl Read, output: &mut impl Write, options: &Options) -> io::Result<()> {
     let job: Job = read(input)?;
     let scene = scene::parse(&job.scene, "scene").map_err(|error| io::Error::other(error.to_string()))?;
@@ -156,7 +156,7 @@ pub fn serve(input: impl Read, output: &mut impl Write, options: &Options) -> io
     stage(output)?;
     let small = small(&scene);
     let answer = match Subject::load(&small, &library, &|_| ()) {
-        // An object that a second process does not get says nothing about the text.
+        // A missing object is not a fault of the modules.
         Err(error) => Answer::Untried(error.to_string()),
         Ok(subject) => match watch(&library, &small, &subject) {
             Err(error) => refused(&error),
@@ -167,7 +167,7 @@ pub fn serve(input: impl Read, output: &mut impl Write, options: &Options) -> io
                     Err(error) => Answer::Untried(error.to_string()), // nor does a device
                     Ok(gpu) => match drawn(&gpu, &library, &small, &subject) {
                         Ok(ms) => Answer::Good(Some(ms)),
-                        // Of the object that stands in, which the picture does not show.
+                        // The stand-in may be infinite where the object is not.
                         Err(RenderError::NotFinite { .. }) => Answer::Good(None),
                         Err(error) => refused(&error),
                     },
@@ -178,7 +178,7 @@ pub fn serve(input: impl Read, output: &mut impl Write, options: &Options) -> io
     reply(output, &answer)
 }
 
-/// Links the programs of a scene; they are on the disk where they are asked for.
+/// Links the programs of a scene, which caches them on disk.
 fn link(scene: &Scene, library: &Library) -> Result<(), VariantError> {
     for variant in programs(scene, library)? {
         variant.program(library, Linker::new)?;
@@ -186,8 +186,8 @@ fn link(scene: &Scene, library: &Library) -> Result<(), VariantError> {
     link_cells(&Variant::of(scene, library)?, scene, library)
 }
 
-/// How long a picture takes, milliseconds. One that seems to take too long is drawn again: on a device that is the processor,
-/// what it takes of that counts, as other programs may use it too.
+/// Milliseconds of a picture. A slow one is rendered again on a software driver, whose processor time does not depend on the
+/// load of the machine.
 fn drawn(gpu: &Gpu, library: &Library, scene: &Scene, subject: &Subject) -> Result<f64, RenderError> {
     let mut renderer = Renderer::new(gpu, library, subject);
     let ms = renderer.render(scene)?.measurements.gpu_ms;

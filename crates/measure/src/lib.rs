@@ -2,14 +2,15 @@
 //! stability, validity, predictions.
 
 pub mod bench;
+pub mod cases;
 pub mod compare;
 pub mod guard;
 pub mod metric;
 pub mod pick;
+pub mod picture_check;
 pub mod predict;
 pub mod reference;
 pub mod statistics;
-pub mod stress;
+pub mod sweep;
 pub mod validity;
-pub mod verify;
 pub mod worker;

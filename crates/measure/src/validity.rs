@@ -1,9 +1,8 @@
-//! Which pixels of a picture are not to be trusted, and which setting is the cause.
+//! Untrusted pixels of a picture, and the settings that cause their errors.
 //!
-//! Role: the picture is drawn again with one thing at a time made better, or off by what is rounded away ([`CAUSES`]). A
-//! pixel that changes by more than a person may see is not to be trusted, and what changes it most is why. Invariant:
-//! nothing is asked of the scene's modules, so that it holds for every scene and for modules of one's own. What all drawings
-//! miss, bounds of the reference leave open, where there is one ([`OPEN`]).
+//! Role: renders the picture again with one setting improved at a time, or perturbed by rounding ([`CAUSES`]). A pixel that
+//! changes visibly is untrusted, and its cause is the setting that changes it most. Bounds of the reference show matter that
+//! all renderings miss ([`OPEN`]). Invariant: scenes and custom modules need not cooperate.
 
 use super::reference::{Reference, UNSEEN};
 use super::statistics::largest;
@@ -13,51 +12,51 @@ use hypertexture::render::{Frame, RenderError, Renderer, Subject};
 use hypertexture::scene::{FieldEncoding, Pass, RayPath, Scene, TargetFormat, linear_to_srgb};
 use hypertexture::shader::Library;
 
-/// A pixel is trusted while no setting changes a channel of its linear light by more: a code of 8 bits.
+/// Largest change of a channel of linear light in a trusted pixel: a code of 8 bits.
 pub const TRUSTED: f64 = 1.0 / 255.0;
 
-/// What may be the cause.
+/// A cause of errors.
 #[derive(Clone, Copy, Debug)]
 pub struct Cause {
-    /// Its name.
+    /// Name.
     pub name: &'static str,
-    /// What it does to pixels, and what mends it.
+    /// Effect on pixels, and the remedy.
     pub why: &'static str,
     /// Color of its pixels, sRGB.
     pub color: [u8; 3],
-    /// Whether it stays better for the causes behind it: more slices stall more in a format that does.
-    stays: bool,
+    /// Whether the improvement persists for the causes that follow: more slices stall more in a format that does.
+    persists: bool,
     other: Other,
 }
 
-/// What a picture is drawn again with; none where that is as good as it can be, or not read.
+/// The improved scene or modules; `None` if there is no improvement.
 #[derive(Clone, Copy, Debug)]
 enum Other {
-    /// A setting made better.
+    /// An improved setting.
     Scene(fn(&Scene) -> Option<Scene>),
-    /// Modules that go on for longer, or get what they are asked for a little off.
+    /// Modules that iterate longer, or with perturbed arguments.
     Modules(fn(&Scene, &Library) -> Option<Library>),
 }
 
-/// Samples of a picture that shows what more of them would change, at most: rays may have somewhat more.
+/// Largest number of samples of the comparison; rays may have slightly more.
 const MOST_SAMPLES: u32 = 50_000;
-/// Voxels along a side of an object that shows what more of them would change, at most: with more it takes a minute.
+/// Largest number of voxels along a side in the comparison. Higher: it takes a minute.
 const MOST_VOXELS: u32 = 384;
-/// Parts of a pixel that show what is finer than one.
+/// Supersampling of the comparison, along a side.
 const PARTS: u32 = 4;
 
-/// What f32 rounds away of a place in a lattice; sums of it are rounded again.
+/// A place in a lattice perturbed by two roundings of f32.
 const ROUNDED_PLACE: &str = "place * (1.0 + 2.4e-7)";
-/// Directions that this turns by what can be seen are shorter than 1/200 of a unit vector.
+/// A direction perturbed so that only those shorter than 1/200 of a unit vector turn visibly.
 const TURNED: &str = "place + vec3(2e-5, -1e-5, 1.5e-5)";
 
-/// The causes; colors that people who see fewer of them tell apart (Okabe and Ito 2008; the last two Krzywinski 2012).
+/// The causes, in colors for color-blind readers (Okabe and Ito 2008; the last two Krzywinski 2012).
 pub const CAUSES: [Cause; 9] = [
     Cause {
         name: "target",
         why: "the format that slices are blended in stalls: quality.target = \"float32\"",
         color: [213, 94, 0],
-        stays: true,
+        persists: true,
         other: Other::Scene(|scene| {
             let applies = scene.quality.target != TargetFormat::Float32 && scene.quality.pass == Pass::Slices;
             changed(scene, applies, |scene| scene.quality.target = TargetFormat::Float32)
@@ -67,7 +66,7 @@ pub const CAUSES: [Cause; 9] = [
         name: "end",
         why: "rays end before they are opaque: quality.early_termination = 0",
         color: [0, 158, 115],
-        stays: true,
+        persists: true,
         other: Other::Scene(|scene| {
             let applies = scene.quality.early_termination > 0.0;
             changed(scene, applies, |scene| scene.quality.early_termination = 0.0)
@@ -77,7 +76,7 @@ pub const CAUSES: [Cause; 9] = [
         name: "step",
         why: "matter is thinner than a step, or bends within one: more quality.samples, or quality.integration = \"segment\"",
         color: [230, 159, 0],
-        stays: false,
+        persists: false,
         other: Other::Scene(|scene| {
             let samples = (2 * scene.quality.samples).min(MOST_SAMPLES);
             changed(scene, samples > scene.quality.samples, |scene| scene.quality.samples = samples)
@@ -87,7 +86,7 @@ pub const CAUSES: [Cause; 9] = [
         name: "pixel",
         why: "there is detail finer than a pixel, such as octaves past what it resolves: quality.supersampling, or fewer octaves",
         color: [86, 180, 233],
-        stays: false,
+        persists: false,
         other: Other::Scene(|scene| {
             let parts = scene.quality.supersampling * PARTS;
             changed(scene, scene.quality.msaa == 1, |scene| scene.quality.supersampling = parts)
@@ -97,7 +96,7 @@ pub const CAUSES: [Cause; 9] = [
         name: "codes",
         why: "distances or normals are stored in few bits: object.field_encoding = \"distance32\"",
         color: [204, 121, 167],
-        stays: false,
+        persists: false,
         other: Other::Scene(|scene| {
             let applies = scene.object.field_encoding != FieldEncoding::Distance32;
             changed(scene, applies, |scene| scene.object.field_encoding = FieldEncoding::Distance32)
@@ -107,7 +106,7 @@ pub const CAUSES: [Cause; 9] = [
         name: "voxels",
         why: "the object is finer than its voxels: a larger object.resolution",
         color: [0, 114, 178],
-        stays: false,
+        persists: false,
         other: Other::Scene(|scene| {
             let resolution = 2 * scene.object.resolution;
             changed(scene, resolution <= MOST_VOXELS, |scene| scene.object.resolution = resolution)
@@ -117,7 +116,7 @@ pub const CAUSES: [Cause; 9] = [
         name: "lattice",
         why: "noise so far from its origin that f32 cannot tell places apart: a lower frequency, or coordinates nearer to 0",
         color: [240, 228, 66],
-        stays: false,
+        persists: false,
         other: Other::Modules(|scene, library| {
             let variant = Variant::of(scene, library).ok()?;
             let is_read = ["noise", "turbulence"].iter().any(|slot| variant.reads(slot));
@@ -129,16 +128,16 @@ pub const CAUSES: [Cause; 9] = [
         name: "direction",
         why: "a gradient or another direction is all but 0, as on the medial axis, and points anywhere: object.field_encoding = \"distance32\", or no light there",
         color: [146, 73, 0],
-        stays: false,
+        persists: false,
         other: Other::Modules(|_, library| Some(library.moved(|path| path == "vector.glsl", TURNED))),
     },
     Cause {
         name: "caught",
         why: "light is totally reflected in glass for longer than it is followed: a lower index, or more absorption",
         color: [255, 182, 219],
-        stays: false,
+        persists: false,
         other: Other::Modules(|scene, library| {
-            // As many loops as twice the samples: no device may end them.
+            // The loops of twice the samples: a device may cut longer ones.
             let loops = changed(scene, true, |scene| scene.quality.samples *= 2)?;
             let applies = scene.effect.ray_path == RayPath::Refracted && loops.check(library).is_ok();
             applies.then(|| library.with_constant("LONGEST_PATH", "6.0").with_constant("MOST_INTERFACES", "48"))
@@ -152,41 +151,41 @@ fn changed(scene: &Scene, applies: bool, change: impl FnOnce(&mut Scene)) -> Opt
     applies.then_some(better)
 }
 
-/// What no drawing shows: matter that is so thin that all of them miss it, or may.
+/// Matter so thin that all renderings miss it, or may miss it.
 pub const OPEN: Cause = Cause {
     name: "open",
     why: "the f64 reference has what all drawings miss, or its bounds leave open whether it does: thicker matter, fewer octaves",
     color: [73, 0, 146],
-    stays: false,
+    persists: false,
     other: Other::Scene(|_| None),
 };
 
-/// What one cause does to a picture.
+/// Effect of one cause on a picture.
 #[derive(Clone, Debug)]
 pub struct Found {
     /// The cause.
     pub cause: &'static Cause,
-    /// The largest change of a channel of linear light of any pixel; why it could not be tried otherwise.
+    /// Largest change of a channel of linear light, or the error of the rendering.
     pub most: Result<f64, String>,
-    /// Pixels of which it is the cause.
+    /// Number of pixels with this cause.
     pub pixels: usize,
 }
 
-/// Which pixels are not to be trusted.
+/// Untrusted pixels of a picture.
 #[derive(Clone, Debug)]
 pub struct Validity {
-    /// The causes that apply.
+    /// Causes that apply.
     pub found: Vec<Found>,
-    /// For each pixel the number of its cause in `found`, and how much it changes the pixel; none where it is trusted.
+    /// For each pixel the index of its cause in `found` and its change; `None` if it is trusted.
     pub of: Vec<Option<(usize, f64)>>,
-    /// Pixels that show something of the object, whatever is made better.
+    /// Number of pixels that show the object.
     pub covered: usize,
 }
 
-/// Draws a scene with modules: its pixels, or why not; none where nobody waits for it any more.
+/// Renders a scene with modules: pixels or an error; `None` if cancelled.
 pub type Draw<'a> = &'a mut dyn FnMut(&Scene, &Library) -> Option<Result<Vec<[f32; 4]>, String>>;
 
-/// Finds which pixels of the picture of a scene are not to be trusted.
+/// Finds the untrusted pixels of a picture.
 pub fn validity(gpu: &Gpu, library: &Library, scene: &Scene, subject: &Subject, frame: &Frame) -> Validity {
     let mut renderer = Renderer::new(gpu, library, subject);
     let mut drawn = |better: &Scene, modules: &Library| -> Result<Frame, RenderError> {
@@ -203,9 +202,9 @@ pub fn validity(gpu: &Gpu, library: &Library, scene: &Scene, subject: &Subject, 
         .unwrap_or_else(|| unreachable!("every picture is drawn"))
 }
 
-/// [`validity`] of pixels that are there, by pictures that `draw` makes; none where it makes none.
+/// [`validity`] of rendered pixels, by the pictures of `draw`; `None` if it is cancelled.
 ///
-/// `has_field` is whether the object is sampled: a formula has neither voxels nor codes.
+/// `has_field` tells whether the object is sampled: a formula has neither voxels nor codes.
 pub fn examine(
     scene: &Scene,
     library: &Library,
@@ -237,7 +236,7 @@ pub fn examine(
                     *worst = Some((at, off));
                 }
             }
-            if cause.stays {
+            if cause.persists {
                 (scene, pixels) = (better, drawn);
             }
             most
@@ -252,8 +251,8 @@ pub fn examine(
 }
 
 impl Validity {
-    /// Adds what the reference of a picture has that its pixels do not, and the opacity that its bounds leave [`OPEN`], or why there
-    /// is no reference; it is the cause in pixels that no drawing changes.
+    /// Adds [`OPEN`] for trusted pixels: their difference from the reference and its unproven opacity, or the reason for a missing
+    /// reference.
     pub fn add_open(&mut self, pixels: &[[f32; 4]], reference: Result<&Reference, String>) {
         let (at, mut count) = (self.found.len(), 0);
         let most = reference.map(|Reference { pixels: known, open, .. }| {
@@ -272,18 +271,18 @@ impl Validity {
         self.found.push(Found { cause: &OPEN, most, pixels: count });
     }
 
-    /// How much of what is covered so many pixels are, percent.
+    /// Share of the covered pixels, percent.
     pub fn percent(&self, pixels: usize) -> f64 {
         100.0 * pixels as f64 / self.covered.max(1) as f64
     }
 
-    /// Pixels that have no cause, percent of those that are covered.
+    /// Share of trusted pixels among the covered ones, percent.
     pub fn trusted(&self) -> f64 {
         100.0 - self.percent(self.found.iter().map(|found| found.pixels).sum())
     }
 
-    /// The picture in grey, and what is not to be trusted in the color of its cause: pale where little changes, full where a
-    /// tenth does. `pixels` are in linear light; result: sRGB, three bytes a pixel.
+    /// The picture in grey, with untrusted pixels in the color of their cause, saturated at a change of 0.1. `pixels` are linear
+    /// light; the result is sRGB, three bytes a pixel.
     pub fn colors(&self, pixels: &[[f32; 4]]) -> Vec<u8> {
         let pixel = |([r, g, b, _], cause): (&[f32; 4], &Option<(usize, f64)>)| match cause {
             None => [(127.5 * linear_to_srgb((r + g + b) / 3.0).clamp(0.0, 1.0)) as u8; 3],
@@ -304,8 +303,7 @@ mod tests {
     use hypertexture::shader::shipped;
     use std::path::Path;
 
-    /// How many pixels of a scene each cause has, by its name, and how many are covered. What is changed is the program's
-    /// own: no other process compiles it.
+    /// Number of pixels of each cause by its name, and of covered ones.
     fn found(text: &str) -> (Vec<(&'static str, usize)>, usize) {
         found_with(&shipped().compiled_by(Path::new("no such program")), &parse(text, "scene").unwrap())
     }
@@ -320,7 +318,7 @@ mod tests {
         (validity.found.iter().map(|found| (found.cause.name, found.pixels)).collect(), covered)
     }
 
-    /// The cause of most pixels that are not to be trusted.
+    /// Cause of most untrusted pixels.
     fn main_cause(text: &str) -> &'static str {
         let (found, covered) = found(text);
         let (name, pixels) = found.iter().copied().max_by_key(|(_, pixels)| *pixels).unwrap();
@@ -330,7 +328,7 @@ mod tests {
 
     #[test]
     #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-    fn what_was_made_worse_is_named_as_the_cause() {
+    fn a_worse_setting_is_the_cause() {
         let scene = |object: &str, effect: &str, quality: &str| {
             format!(
                 "[object]\n{object}\nouter_iso = 0.4\n[effect]\nclassify = \"soft\"\nsoftness = \"linear\"\nopacity = \"beer\"\n{effect}\n\
@@ -346,7 +344,7 @@ mod tests {
         assert_eq!(main_cause(&scene(coarse, "opacity_rate = 2.0", "samples = 200")), "voxels");
     }
 
-    /// Pixels that a cause has in a sphere whose color is by a text, in percent of those that are covered.
+    /// Share of the covered pixels that a cause has in a sphere colored by a GLSL expression, percent.
     fn share_of(name: &str, color: &str) -> f64 {
         let mut scene = parse("[object]\ninput = \"sphere\"\n[image]\nsize = [48, 48]\n", "scene").unwrap();
         scene.effect.surface = "colored".into();
@@ -359,7 +357,7 @@ mod tests {
 
     #[test]
     #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-    fn noise_is_doubted_where_f32_does_not_tell_its_places_apart() {
+    fn noise_far_from_its_origin_is_untrusted() {
         let far = share_of("lattice", "0.5 + noise(8.0 * s.x + 4e5)");
         assert!(far > 50.0, "{far}");
         assert_eq!(share_of("lattice", "0.5 + noise(8.0 * s.x + 400.0)"), 0.0);
@@ -367,7 +365,7 @@ mod tests {
 
     #[test]
     #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-    fn a_direction_is_doubted_where_it_is_all_but_nothing() {
+    fn a_short_direction_is_untrusted() {
         let tiny = share_of("direction", "0.5 + 0.5 * safe_normalize(1e-5 * s.x, vec3(0.0))");
         assert!(tiny > 90.0, "{tiny}");
         assert_eq!(share_of("direction", "0.5 + 0.5 * safe_normalize(s.x, vec3(0.0))"), 0.0);
@@ -375,7 +373,7 @@ mod tests {
 
     #[test]
     #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-    fn light_that_does_not_leave_glass_is_doubted() {
+    fn light_caught_in_glass_is_untrusted() {
         let scene = |index: f32| {
             let mut scene = preset("blue_glass").unwrap();
             (scene.object.input, scene.image.size) = ("cube".into(), [48, 48]);
@@ -391,7 +389,7 @@ mod tests {
 
     #[test]
     #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-    fn a_smooth_picture_is_to_be_trusted_nearly_everywhere() {
+    fn a_smooth_picture_is_trusted_nearly_everywhere() {
         let (found, covered) = found(
             "[object]\ninput = \"sphere\"\nouter_iso = 0.4\n[effect]\nclassify = \"soft\"\nsoftness = \"quadratic\"\nopacity = \"beer\"\n\
              opacity_rate = 1.0\n[quality]\nsamples = 400\nearly_termination = 0.0\n[camera]\nzoom = 2.5\n[image]\nsize = [48, 48]\n",

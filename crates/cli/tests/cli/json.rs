@@ -81,8 +81,8 @@ fn all_truths_are_rows_and_are_announced() {
     let verified: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!((fields(&verified), &verified["holds"]), (documented("verify"), &true.into()));
     let said = text(&output.stderr);
-    assert!(said.starts_with("progress   truths: begun; a line follows each minute\n"), "{said}");
-    assert!(said.lines().all(|line| line.starts_with("progress   truths: ")), "{said}");
+    assert!(said.starts_with("progress   cases: begun; a line follows each minute\n"), "{said}");
+    assert!(said.lines().all(|line| line.starts_with("progress   cases: ")), "{said}");
 }
 
 #[test]

@@ -552,6 +552,6 @@ fn a_bench_is_a_table_and_says_what_got_slower_than_a_saved_one() {
     other["environment"]["device"] = "another".into();
     desk.write("other.json", other.to_string());
     let (code, said, error) = bench("--quick --repeat 1 --baseline other.json");
-    assert!(code == Some(2) && error.contains("other.json: it was made on another"), "{error}");
+    assert!(code == Some(2) && error.contains("other.json: it was measured on another"), "{error}");
     assert!(said.is_empty(), "it is refused before anything is timed: {said}");
 }

@@ -60,7 +60,7 @@ fn arguments_that_make_no_sense_are_refused_in_one_line() {
             ("render torus --save-scene missing/s.toml", &["missing/s.toml", "there is no folder missing"]),
             (
                 "bench nothing_of_that_name",
-                &["nothing_of_that_name", "no row has such a name", "effects, scenes or growth"],
+                &["nothing_of_that_name", "no row has such a name", "growth, encodings or proxies"],
             ),
             ("bench lit --repeat 0", &["--repeat 0", "from 1 to 1000"]),
             ("bench lit --json missing/b.json", &["missing/b.json", "there is no folder missing"]),

@@ -286,12 +286,9 @@ fn the_device_is_verified_in_a_table() {
     let folder = tempfile::tempdir().unwrap();
     let said = good(folder.path(), "verify");
     let mut lines = said.lines();
-    let head = lines.next().unwrap();
-    for column in ["truth", "pass", "N", "mean error", "max error", "order", "expected", "floor", "bound", "ok"] {
-        assert!(head.contains(column), "{head}");
-    }
+    let head: Vec<&str> = lines.next().unwrap().split_whitespace().collect();
+    assert_eq!(head, ["case", "what", "setting", "expected", "found", "error", "bound"]);
     let rows: Vec<&str> = lines.filter(|line| !line.contains(" rows hold on ")).collect();
-    assert!(rows.len() > 40 && rows.iter().all(|row| !row.contains("NO")), "{said}");
+    assert!(rows.len() > 40 && rows.iter().all(|row| row.ends_with("  pass")), "{said}");
     assert!(said.contains(&format!("{0} of {0} rows hold on ", rows.len())), "{said}");
-    assert!(said.contains("not applicable: slices bend no light"));
 }

@@ -205,7 +205,7 @@ fn a_program_that_is_no_worker_is_told() {
         let start = Start { program: program.into(), ..real() };
         let worker = Worker::new(&start, &shader::shipped(), Load::Scene(to_text(&scene)));
         let error = Painter::of(&worker).render(&scene).unwrap_err().to_string();
-        assert!(error.starts_with(&format!("`{program}` cannot draw in a process of its own: ")), "{error}");
+        assert!(error.starts_with(&format!("`{program}` cannot render in a process of its own: ")), "{error}");
         assert!(error.contains(says), "{error}");
     }
 }

@@ -1,7 +1,7 @@
-//! What scenes cost on a device: pictures and fields that are timed in turns, and what got slower since a saved run.
+//! Run times of pictures and fields on a device, and changes since a saved run.
 //!
-//! Role: [`suite()`] lists the rows, [`measure`] times them, [`Bench`] is what is written, read again and held against
-//! another. Invariant: a ratio is of times of one run whose repeats were made side by side; nothing is dropped.
+//! Role: [`suite()`] lists the rows, [`measure`] times them, and [`Bench`] is saved, read and compared. Invariant: a ratio is
+//! of interleaved runs; no run is dropped.
 
 mod report;
 mod suite;
@@ -21,42 +21,42 @@ use std::time::Instant;
 use support::random::SplitMix;
 use support::watch::own_processor_time;
 
-/// All that was timed.
+/// All times of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Bench {
-    /// Where and when.
+    /// Device, machine and date.
     pub environment: Environment,
-    /// Whether the device is the processor, so that its time counts.
+    /// Whether the device is the processor; its processor time is compared.
     pub on_processor: bool,
     /// The rows, in the order of the suite.
     pub rows: Vec<Timed>,
-    /// Rows that could not be timed, and why.
+    /// Groups that could not be timed, with their errors.
     pub failures: Vec<String>,
     /// Whether it was interrupted.
     pub partial: bool,
 }
 
 impl Bench {
-    /// Of this device, with nothing timed yet.
+    /// A run on a device, without rows.
     pub fn here(gpu: &Gpu) -> Bench {
         Bench { environment: Environment::of(gpu), on_processor: gpu.info().cpu, ..Bench::default() }
     }
 }
 
-/// What a row took.
+/// Times of a row.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Timed {
-    /// Name of the row: its group, a slash, and what it is there.
+    /// Group, slash, name.
     pub name: String,
-    /// Milliseconds on the device, by its timestamps; `None` of what the device has no part in.
+    /// Milliseconds on the device, by its timestamps; `None` if the device is not used.
     pub device_ms: Option<Spread>,
-    /// Milliseconds of this process on all processors, user and system; `None` where the system does not say.
+    /// Milliseconds of this process on all processors, user and system; `None` where the system does not report them.
     pub processor_ms: Option<Spread>,
     /// Milliseconds from scene to pixels in memory, wall clock, without compiling.
     pub wall_ms: Spread,
-    /// What the row is held against.
+    /// Comparison with another row.
     pub against: Option<Against>,
-    /// What the paper prints for a GeForce 6800 GT, milliseconds.
+    /// Time in the paper on a GeForce 6800 GT, milliseconds.
     pub paper_ms: Option<f64>,
 }
 
@@ -66,19 +66,19 @@ impl Timed {
     }
 }
 
-/// What is compared with another run: time of the processor where that is the device, for it is steady on a busy machine;
-/// else of the device; else of the wall.
+/// The time that is compared with another run: of the processor if it is the device, as it is steady on a busy machine; else
+/// of the device; else of the wall clock.
 fn steadiest<T>(on_processor: bool, device: Option<T>, processor: Option<T>, wall: T) -> T {
     let [first, second] = if on_processor { [processor, device] } else { [device, processor] };
     first.or(second).unwrap_or(wall)
 }
 
-/// How many times as long a row takes as another, by runs made side by side.
+/// Ratio of the times of a row and another, by interleaved runs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Against {
-    /// What the other is to it.
+    /// Phrase for the other row.
     pub what: String,
-    /// Time of this row by that of the other.
+    /// Time of this row divided by that of the other.
     pub times: Spread,
 }
 
@@ -96,7 +96,7 @@ impl Run {
     }
 }
 
-/// A row that is ready to be run.
+/// A row with its resources loaded.
 enum Ready<'a> {
     Picture(Box<Scene>, Box<Renderer>),
     Field(&'a shape::Shape, &'a field::Request),
@@ -122,8 +122,8 @@ impl Ready<'_> {
     }
 }
 
-/// Times groups of rows, each in turns, `repeats` times after a first run that compiles. Stopped, it keeps the groups that
-/// were timed. What goes wrong with one row is told in the result.
+/// Times groups of rows, each in turns, `repeats` times after a first run that compiles. If stopped, it returns the groups
+/// that were timed. Errors of rows are part of the result.
 pub fn measure(
     gpu: &Gpu,
     library: &Library,
@@ -148,7 +148,7 @@ pub fn measure(
     bench
 }
 
-/// A group in turns; `None` where it was stopped.
+/// Times a group in turns; `None` if it was stopped.
 fn timed(
     gpu: &Gpu,
     library: &Library,

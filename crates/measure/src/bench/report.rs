@@ -1,33 +1,33 @@
-//! The table of what was timed, and what changed since a saved one.
+//! The table of a run, and changes since a saved one.
 
 use super::{Bench, Timed};
 use crate::compare::timing::Spread;
 use std::fmt::Write as _;
 
-/// Less than this part is no change, however steady the machine: where a program lies in memory changes it as much.
+/// Smallest relative change that is reported; the place of a program in memory changes times as much.
 const CHANGE: f64 = 0.05;
 
-/// Two runs that cannot be held against each other.
+/// Runs of different machines, which cannot be compared.
 #[derive(Debug, PartialEq, thiserror::Error)]
-#[error("it was made on {saved}; this is {now}")]
+#[error("it was measured on {saved}; this is {now}")]
 pub struct Mismatch {
     saved: String,
     now: String,
 }
 
-/// A row that takes more or less time than it took.
+/// A row whose time changed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Change {
-    /// Name of the row.
+    /// Name.
     pub name: String,
-    /// Time of now by time of then; more than 1: it got slower.
+    /// New time divided by the saved one; above 1 means slower.
     pub times: f64,
 }
 
-/// The rows of which the times lie apart from those of a saved run by more than both spread, and by more than a twentieth.
+/// Rows whose times changed by more than the spread of both and by more than 5 %.
 ///
 /// # Errors
-/// They are of two devices, drivers or numbers of threads.
+/// The device, the driver or the number of threads differ.
 pub fn changes(saved: &Bench, now: &Bench) -> Result<Vec<Change>, Mismatch> {
     let machine = |bench: &Bench| {
         let environment = &bench.environment;
@@ -52,7 +52,7 @@ fn cell(spread: Option<Spread>, digits: usize) -> String {
     spread.map_or("-".into(), text)
 }
 
-/// What was timed as a table in Markdown, a part for each group.
+/// The times as tables in Markdown, one for each group.
 pub fn table(bench: &Bench) -> String {
     let environment = &bench.environment;
     let mut text = format!(
@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn a_change_lies_beyond_the_spread_and_a_twentieth() {
+    fn a_change_exceeds_the_spread_and_5_percent() {
         let saved = bench("effects/lit", &[10.0, 10.1, 10.2], &[5.0]);
         let now = |times: &[f64]| changes(&saved, &bench("effects/lit", times, &[50.0])).unwrap();
         assert_eq!(now(&[10.2, 11.0, 12.0]), [], "the spreads meet");
@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn another_device_is_no_baseline() {
+    fn another_device_is_not_a_baseline() {
         let now = bench("effects/lit", &[1.0], &[1.0]);
         let mut saved = now.clone();
         saved.environment.device = "another".into();
@@ -122,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bench_is_read_as_it_was_written_and_its_table_holds_every_row() {
+    fn a_bench_survives_json_and_its_table_has_every_row() {
         let mut bench = bench("effects/lit", &[10.0, 12.0], &[5.0]);
         bench.rows[0].against = Some(Against { what: "its fetches alone".into(), times: Spread::of(&[2.0]) });
         bench.rows[0].paper_ms = Some(13.8);

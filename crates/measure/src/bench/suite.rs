@@ -1,35 +1,35 @@
-//! What is timed: the effects against what a fetch costs and the paper's card, what is left out, what grows.
+//! The rows: effects against their texture fetches, skipping of empty space, growth, encodings and proxies.
 
 use crate::compare::paper::numbers;
 use hypertexture::field::Request;
 use hypertexture::render::{open, request};
-use hypertexture::scene::{self, EFFECTS, EmptySpace, Object, ParameterValue, Pass, Scene, SceneError};
+use hypertexture::scene::{self, EFFECTS, EmptySpace, Object, ParameterValue, Pass, Proxy, Scene, SceneError, Source};
 use hypertexture::shader::{self, Library};
 use hypertexture::shape::{Mesh, Shape};
 
-/// Samples of a ray, or slices, of the effects: as many as the paper's tables are repeated with, twice.
+/// Samples of a ray, or slices, of the effects: twice those of the paper's tables.
 const SAMPLES: u32 = 256;
-/// Sides of the pictures of the effects, pixels; the paper's smaller window, and four times its pixels.
+/// Sides of the pictures of the effects, pixels: the smaller window of the paper, and four times its pixels.
 const SIDES: [u32; 2] = [300, 600];
-/// Side of the pictures of all else.
+/// Side of the other pictures.
 const SIDE: u32 = 128;
 /// Voxels along the longest side of an object.
 const RESOLUTION: u32 = 128;
-/// Octaves, samples, pixels and voxels along a side, of what grows with them.
+/// Octaves, samples, pixels and voxels along a side of the rows that grow.
 const OCTAVES: [u32; 5] = [1, 2, 4, 6, 8];
 const STEPS: [u32; 4] = [64, 128, 256, 512];
 const PIXELS: [u32; 4] = [64, 128, 256, 512];
 const VOXELS: [u32; 4] = [32, 64, 128, 256];
-/// How often each triangle of the mesh is cut in four, of what grows with them.
+/// How often each triangle of the mesh is cut in four.
 const CUTS: [u32; 3] = [0, 1, 2];
 
-/// The least that a program does: one fetch, rejected outside the soft region or else blended; then the same with a fetch
-/// of noise. The parameter gives it the box of the effect that it is held against.
+/// Minimal programs: one fetch, rejected outside of the soft region or else blended; and one more fetch, of noise. The
+/// parameter widens their box to that of the effect.
 const FLOORS: [(&str, &str); 2] = [("floor_one", "vec4(0.0)"), ("floor_two", "texture(noise_block, 3.0 * x)")];
 
 fn floor(second: &str) -> String {
     format!(
-        "// @param floor_reach = 0 in [0, 8]: What the effect reaches beyond its soft region, object units.\n\
+        "// @param floor_reach = 0 in [0, 8]: Reach of the effect beyond its soft region, object units.\n\
          // @grow floor_reach\n\
          #include <softness>\n\
          vec4 classify(vec3 x, float path) {{\n\
@@ -41,30 +41,30 @@ fn floor(second: &str) -> String {
     )
 }
 
-/// The modules that ship, and those of the floors.
+/// The modules that ship, and the minimal programs.
 pub fn library() -> Library {
     FLOORS
         .iter()
         .fold(shader::shipped(), |library, (name, second)| library.with_module("classify", name, &floor(second)))
 }
 
-/// What is timed.
+/// Work that is timed.
 pub enum Work {
     /// A picture.
     Picture(Box<Scene>),
-    /// The distance field of a shape, computed anew.
+    /// The distance field of a shape, not from the cache.
     Field(Shape, Request),
 }
 
 /// A row of the table.
 pub struct Row {
-    /// Its group, a slash, and what it is there.
+    /// Group, slash, name.
     pub name: String,
-    /// What is timed.
+    /// Work.
     pub work: Work,
-    /// The row of its group that it is held against, and what that is to it.
+    /// Row of its group that it is compared with, and a phrase for it.
     pub against: Option<(String, &'static str)>,
-    /// What the paper prints for a GeForce 6800 GT, milliseconds.
+    /// Time in the paper on a GeForce 6800 GT, milliseconds.
     pub paper_ms: Option<f64>,
 }
 
@@ -78,8 +78,8 @@ impl Row {
     }
 }
 
-/// Every row, in groups that are timed in turns. Quick: the smaller pictures of the effects, and without the largest of
-/// what grows. With `names`, those of which the name holds one of them, and what they are held against.
+/// All rows, in groups that are timed in turns. `quick` leaves out the larger pictures of the effects and the last step of
+/// growth. `names` chooses the rows whose name contains one of them, with the rows that they are compared with.
 ///
 /// # Errors
 /// A preset cannot be read, or has no program.
@@ -89,9 +89,10 @@ pub fn suite(library: &Library, quick: bool, names: &[String]) -> Result<Vec<Vec
         groups.push(of_effect(library, effect, number, if quick { &SIDES[..1] } else { &SIDES })?);
     }
     for name in scene::names() {
-        groups.extend(left_out(library, name)?);
+        groups.extend(skipping(library, name)?);
     }
     groups.extend(growth(quick)?);
+    groups.extend(variants()?);
     if !names.is_empty() {
         for group in &mut groups {
             let wanted = |row: &Row| names.iter().any(|name| row.name.contains(name));
@@ -107,7 +108,7 @@ pub fn suite(library: &Library, quick: bool, names: &[String]) -> Result<Vec<Vec
     Ok(groups)
 }
 
-/// An effect on the teapot.
+/// An effect on an object.
 fn scene_of(effect: &str, object: &str, side: u32, samples: u32) -> Result<Scene, SceneError> {
     let mut scene = scene::preset(effect)?;
     (scene.object.input, scene.object.resolution) = (object.into(), RESOLUTION);
@@ -115,7 +116,7 @@ fn scene_of(effect: &str, object: &str, side: u32, samples: u32) -> Result<Scene
     Ok(scene)
 }
 
-/// The floor over the fragments of an effect.
+/// A minimal program over the fragments of an effect.
 fn floor_of(effect: &Scene, library: &Library, module: &str) -> Result<Scene, SceneError> {
     let parameters = effect.check(library)?;
     let mut scene = effect.clone();
@@ -126,7 +127,7 @@ fn floor_of(effect: &Scene, library: &Library, module: &str) -> Result<Scene, Sc
     Ok(scene)
 }
 
-/// One of the paper's effects by slices, beside what their fetches alone cost, and by rays.
+/// An effect of the paper by slices, by their fetches alone, and by rays.
 fn of_effect(library: &Library, effect: &str, number: usize, sides: &[u32]) -> Result<Vec<Row>, SceneError> {
     let mut rows = Vec::new();
     // The lit object has one fetch; every other effect fetches noise or turbulence too.
@@ -150,15 +151,15 @@ fn of_effect(library: &Library, effect: &str, number: usize, sides: &[u32]) -> R
     Ok(rows)
 }
 
-/// An example scene, and the same with every sample of its rays.
-fn left_out(library: &Library, name: &str) -> Result<Option<Vec<Row>>, SceneError> {
+/// An example scene with and without skipping of empty space; `None` if it never skips.
+fn skipping(library: &Library, name: &str) -> Result<Option<Vec<Row>>, SceneError> {
     let mut scene = scene::preset(name)?;
     scene.image.size = [SIDE; 2];
     scene.quality.pass = Pass::March;
     let mut sampled = scene.clone();
     sampled.quality.empty_space = EmptySpace::Sample;
     if scene.quality.empty_space == EmptySpace::Sample || scene.check(library).and(sampled.check(library)).is_err() {
-        return Ok(None); // it leaves nothing out, or goes by slices alone
+        return Ok(None);
     }
     let (own, other) = (format!("scenes/{name}"), format!("scenes/{name}, every sample"));
     Ok(Some(vec![
@@ -167,7 +168,7 @@ fn left_out(library: &Library, name: &str) -> Result<Option<Vec<Row>>, SceneErro
     ]))
 }
 
-/// What grows with one number.
+/// Rows that grow with one number.
 fn growth(quick: bool) -> Result<Vec<Vec<Row>>, SceneError> {
     const BEFORE: &str = "the row before";
     let few = |values: &[u32]| values[..values.len() - usize::from(quick)].to_vec();
@@ -205,7 +206,41 @@ fn growth(quick: bool) -> Result<Vec<Vec<Row>>, SceneError> {
     Ok(vec![octaves, steps, pixels, voxels, fields(&few(&CUTS))])
 }
 
-/// The distance field of one surface in ever more triangles.
+/// The lit torus in each encoding of its field, and lit objects by quads and by polygons.
+fn variants() -> Result<Vec<Vec<Row>>, SceneError> {
+    let sources = [
+        ("formula", Source::Auto),
+        ("normals8", Source::Normals8),
+        ("normals16", Source::Normals16),
+        ("distance16", Source::Distance16),
+        ("distance32", Source::Distance32),
+    ];
+    let mut encodings = Vec::new();
+    for (name, source) in sources {
+        let mut scene = scene_of("lit", "torus", 2 * SIDE, SIDE)?;
+        (scene.object.source, scene.quality.pass) = (source, Pass::Slices);
+        let row = Row::picture(format!("encodings/lit torus, {name}"), scene);
+        encodings.push(if source == Source::Auto {
+            row
+        } else {
+            row.against("encodings/lit torus, formula", "the formula")
+        });
+    }
+    let mut groups = vec![encodings];
+    for object in ["sphere", "torus", "cube"] {
+        let row = |proxy, name| {
+            let mut scene = scene_of("lit", object, 2 * SIDE, SIDE)?;
+            (scene.quality.pass, scene.quality.proxy) = (Pass::Slices, proxy);
+            Ok::<_, SceneError>(Row::picture(format!("proxies/lit {object}, {name}"), scene))
+        };
+        let quads = row(Proxy::Quads, "quads")?;
+        let polygons = row(Proxy::Polygons, "polygons")?.against(&quads.name, "quads");
+        groups.push(vec![quads, polygons]);
+    }
+    Ok(groups)
+}
+
+/// Distance fields of one surface in more and more triangles.
 fn fields(cuts: &[u32]) -> Vec<Row> {
     let object = Object { input: "teapot".into(), resolution: RESOLUTION, ..Object::default() };
     let Ok(Shape::Mesh(teapot)) = open(&object) else { return Vec::new() };
@@ -220,13 +255,12 @@ fn fields(cuts: &[u32]) -> Vec<Row> {
     rows
 }
 
-/// Each triangle in four, at the middles of its sides: the same surface.
+/// Cuts each triangle in four at the middles of its sides; the surface stays.
 fn cut(mesh: &Mesh) -> Mesh {
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     for index in 0..mesh.triangles.len() {
         let [a, b, c] = mesh.corners(index);
         let first = positions.len() as u32;
-        // The sum of two corners is the same from both sides of an edge.
         positions.extend([a, b, c, 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)]);
         triangles.extend(
             [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]].map(|corners| corners.map(|corner: u32| first + corner)),
@@ -242,7 +276,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     #[test]
-    fn every_row_is_a_scene_and_has_a_name_of_its_own() {
+    fn rows_are_valid_scenes_with_distinct_names() {
         let library = library();
         let groups = suite(&library, false, &[]).unwrap();
         let rows: Vec<&Row> = groups.iter().flatten().collect();
@@ -255,7 +289,7 @@ mod tests {
         }
         for group in &groups {
             for (other, _) in group.iter().filter_map(|row| row.against.as_ref()) {
-                assert!(group.iter().any(|row| row.name == *other), "{other} is timed beside what it is held against");
+                assert!(group.iter().any(|row| row.name == *other), "{other} is in the group");
             }
         }
         for effect in EFFECTS {
@@ -265,7 +299,7 @@ mod tests {
     }
 
     #[test]
-    fn names_choose_rows_and_what_they_are_held_against() {
+    fn names_choose_rows_and_their_comparisons() {
         let chosen = suite(&library(), false, &["lit, 300 x 300, rays".into()]).unwrap();
         let names: Vec<&str> = chosen.iter().flatten().map(|row| row.name.as_str()).collect();
         assert_eq!(names, ["effects/lit, 300 x 300, slices", "effects/lit, 300 x 300, rays"]);

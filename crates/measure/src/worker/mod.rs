@@ -1,9 +1,9 @@
-//! Pictures drawn in a process of their own: a driver that crashes or hangs on one of them costs that one.
+//! Pictures rendered in a child process, so that a driver that crashes or hangs loses one picture only.
 //!
-//! Role: [`Painter`] draws as a [`Renderer`] does, here or in a [`Worker`]; a worker that has ended is started again for the
-//! next picture. The worker is this very program with a hidden command ([`serve`]): it loads the object once, keeps a
-//! renderer for each painter, and answers line by line. Invariant: what a picture may take is time of the processor, so
-//! that a busy machine refuses none; times are measured in the worker, where nothing else runs meanwhile.
+//! Role: [`Painter`] renders in this process or in a [`Worker`], which restarts its process after a crash. The process is
+//! this program with a hidden command ([`serve`]): it loads the object once, holds a renderer for each painter, and answers
+//! line by line. Invariant: the limit of a picture is processor time, so that a busy machine does not cause failures; times
+//! are measured in the process, where nothing else runs.
 
 mod serve;
 
@@ -25,30 +25,30 @@ use support::watch::{Excess, Watch, end, memory};
 
 /// Name of the hidden command.
 pub const COMMAND: &str = "draw";
-/// Processor time that a picture may take whatever its size: a device, an object, a pipeline.
+/// Processor time allowed for a picture of any size: device, object, pipeline.
 pub const PATIENCE: Duration = Duration::from_secs(120);
-/// Processor time that each of its samples may take beyond that, seconds: ten times what a software driver needs.
-const SAMPLE: f64 = 1e-5;
-/// A process that holds more after a picture is replaced: lavapipe keeps hundreds of megabytes for each picture of a large
-/// program.
-const MOST_MEMORY: u64 = 4 << 30;
-/// Memory that it may hold while it draws.
-const MOST_WHILE: u64 = 12 << 30;
-/// How often a worker is watched.
-const LOOK: Duration = Duration::from_millis(20);
+/// Further processor time allowed per sample, seconds: ten times that of a software driver.
+const SECONDS_PER_SAMPLE: f64 = 1e-5;
+/// Memory after a picture from which the process is replaced: lavapipe retains hundreds of megabytes for each picture of a
+/// large program.
+const RETAINED_MEMORY: u64 = 4 << 30;
+/// Largest memory during a picture.
+const PEAK_MEMORY: u64 = 12 << 30;
+/// Interval between checks of the limits.
+const POLL: Duration = Duration::from_millis(20);
 
-/// How workers are started.
+/// Start options of a worker.
 #[derive(Clone, Debug)]
 pub struct Start {
     /// The executable of hypertexture.
     pub program: PathBuf,
-    /// Part of the name of the device, as the program takes it.
+    /// Part of the name of the device, as for `--device`.
     pub device: Option<String>,
-    /// Processor time that a picture may take, beside what it may for its samples; [`PATIENCE`] unless there is a reason.
+    /// Processor time allowed for a picture in addition to that of its samples; normally [`PATIENCE`].
     pub patience: Duration,
 }
 
-/// What a worker loads its object from.
+/// Object of a worker.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Load {
     /// The text of a scene: [`Subject::load`].
@@ -57,42 +57,42 @@ pub enum Load {
     Object {
         /// The object.
         object: Box<Object>,
-        /// How far its field reaches, object units.
+        /// Margin of its field, object units.
         margin: f32,
-        /// Whether it has its closest points.
+        /// Whether closest points are computed.
         closest: bool,
     },
 }
 
-/// The first line that a worker reads.
+/// First line read by the process.
 #[derive(Debug, Serialize, Deserialize)]
 struct Task {
     load: Load,
-    /// The modules that are not as shipped.
+    /// Texts of modules that differ from the shipped ones.
     changed: BTreeMap<String, String>,
 }
 
-/// What a worker is asked, a line each.
+/// Requests to the process, a line each.
 #[derive(Debug, Serialize, Deserialize)]
 enum Request {
-    /// A picture by the renderer of this number, its shadows cast anew or not.
+    /// Renders a scene with the renderer of this number; `true` recomputes shadows.
     Draw(u64, String, bool),
-    /// That renderer is not used any more.
+    /// Drops a renderer.
     Forget(u64),
 }
 
-/// What it answers, a line each.
+/// Answers of the process, a line each.
 #[derive(Debug, Serialize, Deserialize)]
 enum Answer {
-    /// The device is open and the object loaded.
+    /// The device and the object are ready.
     Ready,
-    /// A picture; its pixels follow as bytes.
+    /// A picture, followed by its pixels as bytes.
     Drawn([u32; 2], Box<Measurements>),
-    /// Why there is none; the device may be lost with it.
+    /// An error, and whether the device is lost.
     Failed { reason: String, is_lost: bool },
 }
 
-/// A process that draws pictures of one object.
+/// A child process that renders one object.
 pub struct Worker {
     start: Start,
     task: String,
@@ -102,20 +102,20 @@ pub struct Worker {
 #[derive(Default)]
 struct State {
     process: Option<Process>,
-    /// How many processes there were.
+    /// Number of processes started.
     generation: u64,
-    /// How many painters there were.
+    /// Number of painters created.
     painters: u64,
 }
 
 impl Worker {
-    /// A worker for an object and the modules of a library; its process is started with the first picture.
+    /// A worker for an object and the modules of a library; its process starts with the first picture.
     pub fn new(start: &Start, library: &Library, load: Load) -> Worker {
         let task = line(&Task { load, changed: shader::changed(library) });
         Worker { start: start.clone(), task, state: RefCell::default() }
     }
 
-    /// Draws a scene with the renderer of that number, which the process of that generation has drawn with before.
+    /// Renders a scene with the renderer of this number, last used in the process of generation `before`.
     fn draw(&self, number: u64, before: &mut Option<u64>, scene: &Scene, anew: bool) -> Result<Frame, RenderError> {
         let mut state = self.state.borrow_mut();
         let state = &mut *state;
@@ -127,11 +127,11 @@ impl Worker {
             }
         };
         let generation = state.generation;
-        let patience = self.start.patience + Duration::from_secs_f64(SAMPLE * samples(scene));
+        let patience = self.start.patience + Duration::from_secs_f64(SECONDS_PER_SAMPLE * samples(scene));
         let request = line(&Request::Draw(number, to_text(scene), anew));
-        // In a new process the first picture is not what it was: what is drawn twice has its own first one there.
+        // A renderer's first picture differs in its times: in a restarted process it is rendered twice.
         let times = 1 + u32::from(before.is_some_and(|before| before != generation));
-        let mut frame = Err(RenderError::Worker("nothing was drawn".into()));
+        let mut frame = Err(RenderError::Worker("no picture was rendered".into()));
         for _ in 0..times {
             frame = match process.ask(&request, patience) {
                 Ok((Answer::Drawn(size, measurements), pixels)) => {
@@ -142,30 +142,30 @@ impl Worker {
                     state.process = None;
                     return Err(RenderError::Ended(reason));
                 }
-                Ok((Answer::Ready, _)) => Err(RenderError::Worker("the worker says what it was not asked".into())),
+                Ok((Answer::Ready, _)) => Err(RenderError::Worker("unexpected answer of the worker".into())),
             };
         }
         *before = Some(generation);
-        if memory(process.child.id()).is_some_and(|bytes| bytes > MOST_MEMORY) {
+        if memory(process.child.id()).is_some_and(|bytes| bytes > RETAINED_MEMORY) {
             state.process = None;
         }
         frame
     }
 }
 
-/// Samples of a picture.
+/// Number of samples of a picture.
 fn samples(scene: &Scene) -> f64 {
     let quality = &scene.quality;
     let each = [scene.image.size[0], scene.image.size[1], quality.samples, quality.msaa, quality.supersampling];
     each.into_iter().map(f64::from).product()
 }
 
-/// A value as a line of text.
+/// A value as a line of JSON.
 fn line(value: &impl Serialize) -> String {
-    serde_json::to_string(value).expect("requests and answers hold nothing that JSON cannot hold") + "\n"
+    serde_json::to_string(value).expect("requests and answers are valid JSON") + "\n"
 }
 
-/// A worker that runs.
+/// A running process.
 struct Process {
     child: Child,
     input: ChildStdin,
@@ -175,13 +175,16 @@ struct Process {
 impl Process {
     fn start(start: &Start, task: &str) -> Result<Process, RenderError> {
         let fail = |reason: &dyn std::fmt::Display| {
-            RenderError::Worker(format!("`{}` cannot draw in a process of its own: {reason}", start.program.display()))
+            RenderError::Worker(format!(
+                "`{}` cannot render in a process of its own: {reason}",
+                start.program.display()
+            ))
         };
         let mut command = Command::new(&start.program);
         command.arg(COMMAND).args(start.device.iter().flat_map(|device| ["--device", device]));
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
         #[cfg(unix)]
-        std::os::unix::process::CommandExt::process_group(&mut command, 0); // Ctrl-C is for whoever waits for it
+        std::os::unix::process::CommandExt::process_group(&mut command, 0); // Ctrl-C goes to the parent alone
         let mut child = command.spawn().map_err(|error| fail(&error))?;
         let (Some(input), Some(output)) = (child.stdin.take(), child.stdout.take()) else {
             return Err(fail(&"it has no standard input or output"));
@@ -189,7 +192,7 @@ impl Process {
         let (tell, answers) = channel();
         let listen = move || {
             let mut output = BufReader::new(output);
-            // Once the worker or its parent has ended, so does this.
+            // Ends with the process or its parent.
             while let Some(answer) = read_answer(&mut output) {
                 if tell.send(answer).is_err() {
                     break;
@@ -201,16 +204,16 @@ impl Process {
         match process.ask(task, start.patience).map_err(|reason| fail(&reason))?.0 {
             Answer::Ready => Ok(process),
             Answer::Failed { reason, .. } => Err(RenderError::Worker(reason)),
-            Answer::Drawn(..) => Err(fail(&"it does not answer what it was asked")),
+            Answer::Drawn(..) => Err(fail(&"unexpected answer")),
         }
     }
 
-    /// Sends a line and waits for the answer; the error says how the worker has ended.
+    /// Sends a line and waits for the answer; the error describes the end of the process.
     fn ask(&mut self, text: &str, patience: Duration) -> Result<(Answer, Vec<[f32; 4]>), String> {
-        let mut watch = Watch::new(self.child.id(), patience, MOST_WHILE);
-        let _ = self.input.write_all(text.as_bytes()); // a worker that has ended says more by its end
+        let mut watch = Watch::new(self.child.id(), patience, PEAK_MEMORY);
+        let _ = self.input.write_all(text.as_bytes()); // a failure shows in the end of the process
         loop {
-            match self.answers.recv_timeout(LOOK) {
+            match self.answers.recv_timeout(POLL) {
                 Ok(answer) => return Ok(answer),
                 Err(RecvTimeoutError::Timeout) => match watch.excess() {
                     Some(Excess::Time) => {
@@ -218,7 +221,7 @@ impl Process {
                         return Err(format!("the driver did not end within {seconds:.0} s of the processor"));
                     }
                     Some(Excess::Memory) => {
-                        return Err(format!("the driver took more than {} GiB of memory", MOST_WHILE >> 30));
+                        return Err(format!("the driver took more than {} GiB of memory", PEAK_MEMORY >> 30));
                     }
                     None => {}
                 },
@@ -238,7 +241,7 @@ impl Drop for Process {
     }
 }
 
-/// An answer and its pixels; `None` at the end.
+/// Next answer and its pixels; `None` at the end.
 fn read_answer(output: &mut impl BufRead) -> Option<(Answer, Vec<[f32; 4]>)> {
     let mut text = String::new();
     output.read_line(&mut text).ok()?;
@@ -251,7 +254,7 @@ fn read_answer(output: &mut impl BufRead) -> Option<(Answer, Vec<[f32; 4]>)> {
     Some((answer, pixels))
 }
 
-/// Draws scenes of one subject, as a [`Renderer`] does: it is one, or asks a worker for one.
+/// A renderer of one subject in this process or in a worker.
 pub enum Painter<'a> {
     /// In this process.
     Here(Box<Renderer>),
@@ -263,12 +266,12 @@ pub enum Painter<'a> {
 pub struct Remote<'a> {
     worker: &'a Worker,
     number: u64,
-    /// The process that it last drew in.
+    /// Generation of the process that rendered last.
     before: Option<u64>,
 }
 
 impl<'a> Painter<'a> {
-    /// A painter of the worker, if there is one, or of this process.
+    /// A painter in the worker, if there is one, else in this process.
     pub fn new(gpu: &'a Gpu, library: &'a Library, subject: &'a Subject, worker: Option<&'a Worker>) -> Painter<'a> {
         match worker {
             Some(worker) => Painter::of(worker),
@@ -276,17 +279,17 @@ impl<'a> Painter<'a> {
         }
     }
 
-    /// A painter of a worker.
+    /// A painter in a worker.
     pub fn of(worker: &'a Worker) -> Painter<'a> {
         let mut state = worker.state.borrow_mut();
         state.painters += 1;
         Painter::There(Remote { worker, number: state.painters, before: None })
     }
 
-    /// Renders a scene, as [`Renderer::render`] does, bit for bit.
+    /// Renders a scene, bit for bit as [`Renderer::render`].
     ///
     /// # Errors
-    /// As [`Renderer::render`]; or the worker has ended by it.
+    /// As [`Renderer::render`], or the process has ended.
     pub fn render(&mut self, scene: &Scene) -> Result<Frame, RenderError> {
         match self {
             Painter::Here(renderer) => renderer.render(scene),
@@ -294,7 +297,7 @@ impl<'a> Painter<'a> {
         }
     }
 
-    /// Renders a scene with shadows cast anew, so that its measurements are those of the whole picture.
+    /// Renders a scene and recomputes its shadows, so that its measurements are those of the whole picture.
     ///
     /// # Errors
     /// As [`Painter::render`].

@@ -1,4 +1,4 @@
-//! The worker's side: pictures drawn as they are asked for.
+//! The child process: renders scenes on request.
 
 use super::{Answer, Load, Request, Task, line};
 use hypertexture::gpu::{Gpu, GpuError, Options};
@@ -8,12 +8,12 @@ use hypertexture::shader::{self, Library};
 use std::collections::HashMap;
 use std::io::{self, BufRead, Write};
 
-/// Reads a task and draws what is asked for until the input ends.
+/// Reads a task and answers requests until the input ends.
 ///
 /// # Errors
 /// The input cannot be read, or the output not be written.
 pub fn serve(input: impl BufRead, output: &mut impl Write, options: &Options) -> io::Result<()> {
-    #[cfg(target_os = "linux")] // nobody would wait for a picture that hangs
+    #[cfg(target_os = "linux")] // ends with its parent
     rustix::process::set_parent_process_death_signal(Some(rustix::process::Signal::KILL))?;
     let mut lines = input.lines();
     let Some(task) = lines.next().transpose()? else { return Ok(()) };
@@ -37,7 +37,7 @@ pub fn serve(input: impl BufRead, output: &mut impl Write, options: &Options) ->
                     renderer.forget_shadows();
                 }
                 let drawn = renderer.render(&scene);
-                let said = messages.take(); // of the validation layer, where it is on
+                let said = messages.take(); // of the validation layer
                 let answer = match drawn {
                     Ok(_) if !said.is_empty() => Answer::Failed { reason: said.join("; "), is_lost: false },
                     Ok(frame) => {
@@ -68,7 +68,7 @@ fn parse(text: &str) -> io::Result<Scene> {
     scene::parse(text, "scene").map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error.to_string()))
 }
 
-/// A device that is lost, or still busy with what it should have ended, draws nothing any more.
+/// The answer for an error; a device that timed out counts as lost.
 fn failed(error: &RenderError) -> Answer {
     let is_lost = match error {
         RenderError::Gpu(error) => error.is_lost() || matches!(error, GpuError::Timeout { .. }),

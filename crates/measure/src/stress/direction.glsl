@@ -1,4 +1,0 @@
-// Surroundings without an edge: the color is the direction that is looked in.
-// Source: case 33.
-// Result: linear RGB, opaque.
-vec4 environment(vec3 from, vec3 along, float spread) { return vec4(0.5 + 0.5 * along, 1.0); }

@@ -1,8 +1,0 @@
-#version 450
-// A function at 4096 places of a line: the beginning of each text of crates/measure/src/stress.
-// Source: -
-// setting: what is asked; place: from setting.x in steps of a 4096th of the way to setting.y, f32.
-layout(set = 0, binding = 0) uniform Setting { vec4 setting; };
-layout(location = 0) out vec4 fragment;
-float part() { return (floor(gl_FragCoord.x) + 64.0 * floor(gl_FragCoord.y)) / 4096.0; }
-float place() { return setting.x + (setting.y - setting.x) * part(); }
