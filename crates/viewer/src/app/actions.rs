@@ -28,7 +28,7 @@ impl App {
             Action::Screenshot => self.request(Request::Screenshot(free_name("hypertexture", ".png"))),
             Action::Record => self.request(Request::Record(self.figures.recording.is_none())),
             Action::Compare => {
-                let kept = self.kept.is_none().then(|| Box::new(self.shown()));
+                let kept = self.pinned.is_none().then(|| Box::new(self.shown()));
                 self.request(Request::Split(kept));
             }
             Action::Validity => self.request(Request::Validity(!self.validity)),
@@ -74,12 +74,12 @@ impl App {
                 self.model.edit("camera", |scene| scene.camera = home);
             }
             Request::Split(kept) => {
-                self.kept = kept.map(|scene| (*scene, self.library.clone()));
-                self.validity &= self.kept.is_none();
+                self.pinned = kept.map(|scene| (*scene, self.library.clone()));
+                self.validity &= self.pinned.is_none();
             }
             Request::Validity(on) => {
                 self.validity = on;
-                self.kept = self.kept.take().filter(|_| !on); // it is that of one variant
+                self.pinned = self.pinned.take().filter(|_| !on); // it is that of one variant
             }
             Request::Record(true) => self.record(),
             Request::Record(false) => self.stop(),
@@ -90,13 +90,13 @@ impl App {
                 }
             }
             Request::Time(time) => {
-                self.tempo.reach(time);
+                self.playback.reach(time);
                 match &mut self.clock {
                     Some(clock) => *clock = time,
                     None => drop(self.model.edit("camera.time", |scene| scene.camera.time = time)),
                 }
             }
-            Request::Tempo(tempo) => self.tempo = tempo,
+            Request::Playback(playback) => self.playback = playback,
             Request::Level(level) => self.level = level,
             Request::MaxError(error) => {
                 (self.max_error, self.pick) = (error, error);
@@ -105,9 +105,8 @@ impl App {
                 }
             }
             Request::Densities => {
-                if let Some(job) = self.posted.as_ref().filter(|job| !job.moving) {
-                    let notify = self.notify.clone();
-                    self.densities.want(job, move || notify());
+                if let Some(job) = self.submitted.as_ref().filter(|job| !job.moving) {
+                    self.densities.request(job, &self.notify);
                 }
             }
             Request::Open(path) => self.open(&path),
@@ -215,7 +214,7 @@ impl App {
 
     fn task(&mut self, task: impl FnOnce(Box<Variant>) -> Task) {
         let scene = self.shown();
-        let subject = self.posted.as_ref().filter(|_| !self.lacks_object);
+        let subject = self.submitted.as_ref().filter(|_| !self.lacks_object);
         let (Some(posted), Some(worker)) = (subject, &self.worker) else {
             self.failure.get_or_insert("the object is not loaded yet".into());
             self.fail("the object is not loaded yet");
@@ -223,7 +222,7 @@ impl App {
         };
         worker.add(task(Box::new(Variant { scene, ..posted.variants[0].clone() })));
         self.tasks += 1;
-        self.posted = None; // the picture is gone on with afterwards
+        self.submitted = None; // the picture is gone on with afterwards
     }
 }
 

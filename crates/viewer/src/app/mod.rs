@@ -4,11 +4,12 @@ mod actions;
 mod inspect;
 mod mouse;
 mod overlay;
-mod post;
 mod receive;
+mod submit;
 
 use super::ViewError;
 use super::author::Author;
+use super::background::Notify;
 use super::compare::Comparison;
 use super::densities::Densities;
 use super::inspect::Inspector;
@@ -17,12 +18,12 @@ use super::load::Loader;
 use super::message::Message;
 use super::model::Model;
 use super::panels::Panels;
+use super::playback::Playback;
 use super::screen::Screen;
 use super::status::{Figures, Stage};
-use super::tempo::Tempo;
 use super::trackball::Trackball;
-use super::unread::Unread;
 use super::unsaved::{self, Latest};
+use super::unused_settings::UnusedSettings;
 use super::worker::{Job, Worker};
 use egui::{Rect, Sense, Ui};
 use glam::DVec3;
@@ -71,9 +72,6 @@ const HOLD: Duration = Duration::from_millis(45);
 /// What moves by itself is drawn this often.
 const FRAME: Duration = Duration::from_millis(16);
 
-/// Tells the window from another thread that there is something new.
-pub(super) type Notify = Arc<dyn Fn() + Send + Sync>;
-
 /// The window's state.
 pub(super) struct App {
     pub(super) model: Model,
@@ -84,8 +82,8 @@ pub(super) struct App {
     notify: Notify,
     screen: Screen,
     /// Where the picture on the screen is looked at from, and where the scene is now.
-    seen: Option<Sight>,
-    sight: Option<Sight>,
+    shown_view: Option<Sight>,
+    current_view: Option<Sight>,
     pub(super) figures: Figures,
     /// Where the picture is, points.
     pub(super) place: Rect,
@@ -100,27 +98,27 @@ pub(super) struct App {
     drag: mouse::Drag,
     /// The time, while it runs.
     clock: Option<f64>,
-    tempo: Tempo,
+    playback: Playback,
     last_frame: Instant,
     /// The variant that the scene is compared with, and its modules.
-    kept: Option<(Scene, Arc<Library>)>,
+    pinned: Option<(Scene, Arc<Library>)>,
     comparison: Comparison,
     inspector: Inspector,
     max_error: Option<f64>,
     /// Whether pixels that are not to be trusted are shown.
     validity: bool,
     densities: Densities,
-    unread: Unread,
+    unused_settings: UnusedSettings,
     /// The error that a way to draw is still to be looked for.
     pick: Option<f64>,
     /// The scene that one is being looked for.
     picked_for: Option<Scene>,
-    posted: Option<Job>,
+    submitted: Option<Job>,
     /// Where the pointer is over the picture.
     pointer: Option<egui::Pos2>,
     dragging: bool,
     /// Since when a preview is waited for, and the time that one takes.
-    held: Option<Instant>,
+    waiting_since: Option<Instant>,
     changed: Instant,
     /// Whether there is a picture that the window was not drawn with.
     fresh: bool,
@@ -140,8 +138,8 @@ pub(super) struct App {
     pub(super) quit: bool,
     pub(super) full_screen: bool,
     /// What went wrong or was done last, and the number of the job then.
-    said: Option<Message>,
-    said_at: u64,
+    message: Option<Message>,
+    message_job: u64,
     /// What is being written, in words.
     writing: String,
 }
@@ -162,8 +160,8 @@ impl App {
             followed.unwrap_or_else(|error| log::warn!("{error}"));
         }
         let (now, camera) = (Instant::now(), model.scene().camera.clone());
-        let mut tempo = Tempo::default();
-        tempo.reach(camera.time);
+        let mut playback = Playback::default();
+        playback.reach(camera.time);
         Ok(App {
             library: Arc::new(model.library().clone()),
             panels,
@@ -171,8 +169,8 @@ impl App {
             loader: Loader::default(),
             notify,
             screen: Screen::default(),
-            seen: None,
-            sight: None,
+            shown_view: None,
+            current_view: None,
             figures: Figures::default(),
             place: Rect::ZERO,
             ball: Trackball::of(&camera),
@@ -181,22 +179,22 @@ impl App {
             inertia: false,
             level: false,
             drag: mouse::Drag::default(),
-            tempo,
+            playback,
             clock: start.play.then_some(camera.time),
             last_frame: now,
-            kept: None,
+            pinned: None,
             comparison: Comparison::default(),
             inspector: Inspector::default(),
             max_error: start.max_error,
             validity: false,
             densities: Densities::default(),
-            unread: Unread::default(),
+            unused_settings: UnusedSettings::default(),
             pick: start.max_error,
             picked_for: None,
-            posted: None,
+            submitted: None,
             pointer: None,
             dragging: false,
-            held: None,
+            waiting_since: None,
             changed: now,
             fresh: false,
             number: 0,
@@ -209,8 +207,8 @@ impl App {
             lost: false,
             quit: false,
             full_screen: false,
-            said: None,
-            said_at: 0,
+            message: None,
+            message_job: 0,
             writing: String::new(),
             model,
         })
@@ -221,11 +219,11 @@ impl App {
         let info = gpu.info();
         self.figures.device = format!("{} ({})", info.name, info.driver);
         (self.figures.is_cpu, self.figures.budget_ms) = (info.cpu, BUDGET_MS[usize::from(!info.cpu)]);
-        let (notify, gate) = (self.notify.clone(), self.panels.author().gate().clone());
+        let gate = self.panels.author().gate().clone();
         gate.try_on(&info.name);
-        self.worker = Some(Worker::start(gpu.clone(), gate, self.figures.budget_ms, move || notify()));
+        self.worker = Some(Worker::start(gpu.clone(), gate, self.figures.budget_ms, self.notify.clone()));
         self.screen.forget();
-        (self.posted, self.lost, self.tasks) = (None, false, 0);
+        (self.submitted, self.lost, self.tasks) = (None, false, 0);
     }
 
     /// Lets go of the device: nothing of this holds it any more.
@@ -275,12 +273,12 @@ impl App {
     /// to be drawn now.
     pub(super) fn hold(&mut self, now: Instant) -> Option<Duration> {
         let is_coming = self.on_screen < self.number && self.figures.stage == Stage::Coarse;
-        let soon = self.figures.is_cpu && is_coming && self.posted.as_ref().is_some_and(|job| job.moving);
-        let left = HOLD.saturating_sub(now.duration_since(*self.held.get_or_insert(now)));
+        let soon = self.figures.is_cpu && is_coming && self.submitted.as_ref().is_some_and(|job| job.moving);
+        let left = HOLD.saturating_sub(now.duration_since(*self.waiting_since.get_or_insert(now)));
         if soon && !self.fresh && !left.is_zero() {
             return Some(left);
         }
-        self.held = None;
+        self.waiting_since = None;
         None
     }
 
@@ -294,12 +292,12 @@ impl App {
 
     /// Says what was done.
     fn note(&mut self, line: impl Into<String>) {
-        self.said = Some(Message::note(line));
+        self.message = Some(Message::note(line));
     }
 
     /// Says what went wrong, until a picture of another scene is there.
     fn fail(&mut self, line: impl Into<String>) {
-        (self.said, self.said_at) = (Some(Message::error(line)), self.number);
+        (self.message, self.message_job) = (Some(Message::error(line)), self.number);
     }
 
     /// One frame: the panels, the picture, and what is over it.
@@ -325,11 +323,11 @@ impl App {
         self.navigate(ui, &response);
         self.glide(passed);
         if let Some(clock) = &mut self.clock {
-            *clock = self.tempo.after(*clock, passed);
-            self.tempo.reach(*clock);
+            *clock = self.playback.after(*clock, passed);
+            self.playback.reach(*clock);
         }
-        self.post(ui, now);
-        self.screen.moved = self.seen.zip(self.sight).filter(|(seen, now)| seen != now);
+        self.submit(ui, now);
+        self.screen.moved = self.shown_view.zip(self.current_view).filter(|(seen, now)| seen != now);
         self.screen.draw(ui, self.place, &self.comparison);
         self.show_over(ui);
         self.pick(ui, now);

@@ -113,9 +113,9 @@ impl App {
         }
     }
 
-    /// Half the height of the view, object units.
+    /// CompareMode the height of the view, object units.
     fn half_height(&self) -> Option<f32> {
-        let Variant { scene, library, subject } = self.posted.as_ref()?.variants.first()?;
+        let Variant { scene, library, subject } = self.submitted.as_ref()?.variants.first()?;
         let variant = Program::of(scene, library).ok()?;
         Some(render::half_height(scene, subject, &variant))
     }

@@ -10,7 +10,7 @@ impl App {
     /// What two variants are compared by, the pixel that is inspected, what is being loaded, and the list of keys.
     pub(super) fn show_over(&mut self, ui: &mut Ui) {
         let place = self.place;
-        if let Some((kept, _)) = &self.kept {
+        if let Some((kept, _)) = &self.pinned {
             let titles = titles(self.model.scene(), kept);
             self.comparison.show(ui, place, &titles, self.figures.difference);
         }
@@ -69,7 +69,7 @@ impl App {
         egui::Grid::new("keys").num_columns(2).spacing([18.0, 4.0]).show(ui, |ui| {
             let state = |action: Action| match action {
                 Action::Play => Some(self.clock.is_some()),
-                Action::Compare => Some(self.kept.is_some()),
+                Action::Compare => Some(self.pinned.is_some()),
                 Action::Validity => Some(self.validity),
                 Action::Inertia => Some(self.inertia),
                 Action::Level => Some(self.level),

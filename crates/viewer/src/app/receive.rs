@@ -21,7 +21,7 @@ impl App {
                 Event::Picture(picture) => {
                     self.inspector.take(&picture.frames, picture.size, picture.stage);
                     self.screen.take(picture.images, picture.frames, picture.size);
-                    (self.seen, self.fresh) = (picture.sight, true);
+                    (self.shown_view, self.fresh) = (picture.sight, true);
                     let figures = &mut self.figures;
                     (figures.stage, figures.size, figures.samples) = (picture.stage, picture.size, picture.samples);
                     (figures.gpu_ms, figures.difference) = (picture.gpu_ms, picture.difference);
@@ -35,7 +35,7 @@ impl App {
                     }
                     self.on_screen = picture.number;
                     // What went wrong with an earlier scene no longer holds.
-                    self.said.take_if(|said| said.is_error && picture.number > self.said_at);
+                    self.message.take_if(|said| said.is_error && picture.number > self.message_job);
                 }
                 Event::Stopped(line) => {
                     (self.tasks, self.figures.recording) = (self.tasks.saturating_sub(1), None);
@@ -90,22 +90,22 @@ impl App {
             },
             detail: format!("{} x {} pixels, {samples} samples", size[0], size[1]),
             device: self.figures.device.clone(),
-            message: self.said.clone(),
+            message: self.message.clone(),
             ignored: self.figures.ignored.clone(),
-            idle: self.unread.poll(self.model.scene()).to_vec(),
-            window: self.posted.as_ref().map_or([0, 0], |job| job.variants[0].scene.image.size),
+            idle: self.unused_settings.poll(self.model.scene()).to_vec(),
+            window: self.submitted.as_ref().map_or([0, 0], |job| job.variants[0].scene.image.size),
             made: self.figures.made.clone(),
             progress: self.figures.picking.or(recording.map(|(done, all)| done as f32 / all.max(1) as f32)),
             recent_ms: recent.clone(),
             budget_ms: self.figures.budget_ms,
             paused: self.clock.is_none(),
             recording: recording.is_some(),
-            split: self.kept.is_some(),
+            split: self.pinned.is_some(),
             max_error: self.max_error,
             validity: self.validity,
             densities: self.densities.poll(),
             time: self.clock,
-            tempo: self.tempo,
+            playback: self.playback,
             level: self.level,
         }
     }

@@ -4,12 +4,13 @@
 //! ends as soon as another pixel, another scene or nothing is asked for; the window waits for none.
 
 mod search;
-mod show;
+mod window;
 mod worst;
 
-pub use search::{Answers, Exact};
+pub use search::{Exact, PixelReport};
 pub use worst::worst;
 
+use super::background::Notify;
 use super::screen::Frame;
 use super::status::Stage;
 use super::worker::{Job, Variant};
@@ -21,7 +22,7 @@ const APART: u32 = 12;
 
 /// What is known of the pictures of a scene that stands still.
 #[derive(Default)]
-pub(super) struct Kept {
+pub(super) struct Pictures {
     /// Their size.
     size: [u32; 2],
     /// As `render` makes it.
@@ -37,9 +38,9 @@ pub(super) struct Kept {
 pub struct Inspector {
     /// The pixel, from the left and the top.
     pixel: Option<[u32; 2]>,
-    kept: Kept,
+    pictures: Pictures,
     search: Option<Search>,
-    answers: Answers,
+    report: PixelReport,
     /// The pixels that are jumped to, with their differences, and the one that is looked at.
     worst: Vec<([u32; 2], f64)>,
     at: usize,
@@ -53,7 +54,7 @@ impl Inspector {
 
     /// Whether nothing more will be known of it.
     pub(super) fn is_done(&self) -> bool {
-        self.answers.done
+        self.report.done
     }
 
     /// Inspects a pixel, or none.
@@ -66,19 +67,19 @@ impl Inspector {
 
     /// Gives up what is being looked for, and what was found.
     fn forget(&mut self) {
-        (self.search, self.answers) = (None, Answers::default());
+        (self.search, self.report) = (None, PixelReport::default());
     }
 
     /// Takes the pictures of a stage.
     pub(super) fn take(&mut self, frames: &[Frame], size: [u32; 2], stage: Stage) {
         let first = frames.first().cloned();
         match stage {
-            Stage::Coarse => (self.kept, self.worst) = (Kept::default(), Vec::new()),
-            Stage::Scene => self.kept = Kept { size, own: first, mean: None, other: frames.get(1).cloned() },
+            Stage::Coarse => (self.pictures, self.worst) = (Pictures::default(), Vec::new()),
+            Stage::Scene => self.pictures = Pictures { size, own: first, mean: None, other: frames.get(1).cloned() },
             Stage::Refined(count) | Stage::Converged(count) => {
-                self.kept.size = size;
-                self.kept.mean = first.map(|frame| (frame, count));
-                self.kept.other = frames.get(1).cloned();
+                self.pictures.size = size;
+                self.pictures.mean = first.map(|frame| (frame, count));
+                self.pictures.other = frames.get(1).cloned();
                 self.worst.clear();
             }
             _ => {}
@@ -86,9 +87,9 @@ impl Inspector {
     }
 
     /// Looks for what is not known of the pixel, once the scene stands still; takes what was found.
-    pub(super) fn follow(&mut self, job: Option<&Job>, notify: &(impl Fn() + Clone + Send + 'static)) {
+    pub(super) fn follow(&mut self, job: Option<&Job>, notify: &Notify) {
         if let Some(search) = &mut self.search {
-            search.poll(&mut self.answers);
+            search.poll(&mut self.report);
         }
         let (Some(pixel), Some(job)) = (self.pixel, job) else { return };
         let Variant { scene, library, subject } = &job.variants[0];
@@ -102,7 +103,7 @@ impl Inspector {
         }
         if self.search.is_none() && !job.moving {
             let (library, subject) = (library.clone(), subject.clone());
-            self.search = Some(Search::start(within, scene.clone(), library, subject, notify.clone()));
+            self.search = Some(Search::start(within, scene.clone(), library, subject, notify));
         }
     }
 
@@ -110,7 +111,7 @@ impl Inspector {
     /// picture of the scene and the mean of many. Whether there are any.
     pub(super) fn jump(&mut self) -> bool {
         if self.worst.is_empty() {
-            let Kept { size, own, mean, other } = &self.kept;
+            let Pictures { size, own, mean, other } = &self.pictures;
             let first = mean.as_ref().map(|(frame, _)| frame).or(own.as_ref());
             let pair = match (first, other, own, mean) {
                 (Some(now), Some(other), ..) => Some((now, other)),

@@ -43,7 +43,7 @@ pub(super) fn show(ui: &mut Ui, controls: &mut Controls<'_>) {
     }
 }
 
-/// Half as many samples, and twice as many.
+/// CompareMode as many samples, and twice as many.
 fn factors(ui: &mut Ui, controls: &mut Controls<'_>) {
     for (text, factor) in [("half", 0.5), ("double", 2.0)] {
         if button(ui, text, &format!("quality.samples.{text}"), "Samples.").clicked() {

@@ -5,30 +5,30 @@
 //! its field in a scene file.
 
 mod accuracy;
-mod ask;
 mod bookmarks;
+mod camera;
+mod dialogs;
 mod editor;
 mod effect;
-mod facts;
-mod figures;
+mod file_info;
 mod finals;
 mod messages;
 mod object;
 mod parameters;
 mod presets;
 mod request;
-mod session;
 mod settings;
-mod stage;
 mod status;
+mod status_bar;
 mod theme;
 mod timeline;
+mod toolbar;
 mod transfer;
 pub mod widgets;
 
-pub use ask::Question;
+pub(crate) use camera::SIDES;
+pub use dialogs::Question;
 pub use request::Request;
-pub(crate) use stage::SIDES;
 pub use status::Status;
 
 use super::author::Author;
@@ -56,8 +56,8 @@ pub struct Panels {
     selected: Option<String>,
     /// The stop of the transfer map that is being edited.
     stop: usize,
-    known: facts::Known,
-    asked: ask::Asked,
+    known: file_info::FileInfo,
+    dialogs: dialogs::Dialogs,
     bookmarks: bookmarks::Bookmarks,
     /// Scene file, picture.
     paths: [String; 2],
@@ -148,8 +148,8 @@ impl Panels {
         Ok(Panels {
             selected: None,
             stop: 0,
-            known: facts::Known::default(),
-            asked: ask::Asked::default(),
+            known: file_info::FileInfo::default(),
+            dialogs: dialogs::Dialogs::default(),
             bookmarks: bookmarks::Bookmarks::default(),
             paths: [String::new(), "picture.png".into()],
             finals: finals::Finals::new(program.clone()),
@@ -181,7 +181,7 @@ impl Panels {
     pub fn remember(&mut self, kept: Vec<PathBuf>, folder: Option<PathBuf>) {
         self.bookmarks = bookmarks::Bookmarks::of(folder.as_deref());
         self.theme.remember(folder.as_deref());
-        self.asked.remember(kept, folder);
+        self.dialogs.remember(kept, folder);
     }
 
     /// What would end with the window, in words: what no file holds, and a final picture in the making.
@@ -199,23 +199,23 @@ impl Panels {
 
     /// Asks a question, until it is answered.
     pub fn ask(&mut self, question: Question) {
-        self.asked.question = Some(question);
+        self.dialogs.question = Some(question);
     }
 
     /// Whether a question or the dialog of files is open, which have all keys.
     pub fn is_asking(&self) -> bool {
-        self.asked.is_open()
+        self.dialogs.is_open()
     }
 
     /// Asks which file is to be opened.
     pub fn choose_file(&mut self) {
-        self.asked.choose();
+        self.dialogs.choose();
     }
 
     /// Writes the scene to its file, or to the one that the panel names; asks for a name where there is neither, and before
     /// what others wrote is replaced.
     pub fn save(&mut self, model: &mut Model) {
-        self.asked.save(model, &self.paths[0]);
+        self.dialogs.save(model, &self.paths[0]);
     }
 
     /// Whether there is something that no file holds.
@@ -238,7 +238,7 @@ impl Panels {
         self.theme.apply(ui.ctx());
         ui.spacing_mut().item_spacing.y = 5.0;
         let complaint = self.author.complaint().filter(|_| !self.author_is_open || self.hidden).map(Message::error);
-        Panel::bottom("status").show(ui, |ui| figures::show(ui, status));
+        Panel::bottom("status").show(ui, |ui| status_bar::show(ui, status));
         let mut requests = Vec::new();
         if !self.hidden {
             Panel::bottom("time").show(ui, |ui| timeline::show(ui, model, status, &mut requests));
@@ -276,9 +276,9 @@ impl Panels {
         }
         // A compiler that answers and a file that changes are seen without a move of the mouse.
         self.author.wakes().into_iter().for_each(|wait| ui.ctx().request_repaint_after(wait));
-        let at_stake = self.asked.question.as_ref().filter(|asked| **asked == Question::Quit);
+        let at_stake = self.dialogs.question.as_ref().filter(|asked| **asked == Question::Quit);
         let at_stake = at_stake.and_then(|_| self.at_stake(model));
-        requests.extend(self.asked.show(ui, model, &self.paths[0], at_stake));
+        requests.extend(self.dialogs.show(ui, model, &self.paths[0], at_stake));
         self.finals.show(ui, model, status);
         let all = [complaint.as_ref(), model.notice(), status.message.as_ref(), self.finals.outcome()];
         let all: Vec<&Message> = all.into_iter().flatten().collect();
@@ -293,8 +293,8 @@ impl Panels {
         let advanced = self.advanced;
         let mut pass = Pass { draft, values, refused: None, touch: None, acts, requests, model, status, advanced };
         ui.add_space(4.0);
-        self.asked.offer(ui, &mut pass.acts);
-        session::history(ui, &mut pass, &mut self.author_is_open);
+        self.dialogs.offer(ui, &mut pass.acts);
+        toolbar::history(ui, &mut pass, &mut self.author_is_open);
         ui.horizontal_wrapped(|ui| {
             let open = ui.toggle_value(&mut self.finals.is_open, "Final picture");
             widgets::named(ui, &open, "final").on_hover_text("A picture, a sequence or a video, in any size.");
@@ -331,8 +331,8 @@ impl Panels {
         });
         let advanced = pass.advanced;
         section(ui, "Presets", true, |ui| presets::show(ui, pass, &mut self.with_own));
-        let recent = &self.asked.recent;
-        section(ui, "File", false, |ui| session::files(ui, pass, &mut self.paths, recent));
+        let recent = &self.dialogs.recent;
+        section(ui, "File", false, |ui| toolbar::files(ui, pass, &mut self.paths, recent));
         if advanced {
             section(ui, "Objects", false, |ui| object::list(ui, pass, &mut self.selected));
         }
@@ -340,7 +340,7 @@ impl Panels {
         let part = part.as_deref();
         section(ui, "Object", false, |ui| object::show(ui, pass, part));
         if advanced {
-            section(ui, "What it holds", false, |ui| facts::show(ui, pass, part, &mut self.known));
+            section(ui, "What it holds", false, |ui| file_info::show(ui, pass, part, &mut self.known));
         }
         // Above its parameters: another module has others, and moves nothing under the pointer.
         if advanced {
@@ -349,12 +349,12 @@ impl Panels {
         section(ui, "Parameters", true, |ui| parameters::show(ui, pass, part));
         section(ui, "Transfer map", false, |ui| transfer::show(ui, pass, part, &mut self.stop));
         section(ui, "Material", false, |ui| settings::table(ui, pass, &prefix(part), "material"));
-        section(ui, "Light and background", false, |ui| stage::light(ui, pass));
-        section(ui, "Camera", false, |ui| stage::camera(ui, pass, &mut self.bookmarks));
+        section(ui, "Light and background", false, |ui| camera::light(ui, pass));
+        section(ui, "Camera", false, |ui| camera::camera(ui, pass, &mut self.bookmarks));
         section(ui, "Accuracy", false, |ui| accuracy::show(ui, pass));
         section(ui, "Picture", false, |ui| settings::show(ui, pass, "", "image.size"));
         if advanced && !pass.status.made.is_empty() {
-            section(ui, "Made with", false, |ui| figures::made(ui, &pass.status.made));
+            section(ui, "Made with", false, |ui| status_bar::made(ui, &pass.status.made));
         }
         ui.horizontal_wrapped(|ui| {
             ui.weak("theme");
@@ -365,7 +365,7 @@ impl Panels {
     /// A request that nothing is lost by; of others it is asked.
     fn asking(&mut self, request: Request, model: &Model) -> Option<Request> {
         match request {
-            Request::Screenshot(path) => self.asked.picture(path),
+            Request::Screenshot(path) => self.dialogs.picture(path),
             Request::Quit if self.at_stake(model).is_some() => {
                 self.ask(Question::Quit);
                 None
@@ -379,14 +379,14 @@ impl Panels {
             Act::Undo => drop(model.undo()),
             Act::Redo => drop(model.redo()),
             Act::Preset { name, on_object } => drop(model.take_preset(&name, on_object)),
-            Act::Choose => self.asked.choose(),
+            Act::Choose => self.dialogs.choose(),
             Act::Open(path) => drop(model.open(&path)),
             Act::Restore(folder) => {
-                ask::restore(&folder, model, &mut self.author);
+                dialogs::restore(&folder, model, &mut self.author);
                 self.author_is_open |= self.author.file().is_some();
             }
             Act::Save(path) if path.as_os_str().is_empty() => self.save(model),
-            Act::Save(path) => self.asked.scene(path, model),
+            Act::Save(path) => self.dialogs.scene(path, model),
             Act::AddPart => self.selected = model.add_part("sphere").or(self.selected.take()),
             Act::RemovePart(name) => drop(model.remove_part(&name)),
         }

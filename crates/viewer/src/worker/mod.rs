@@ -1,13 +1,14 @@
 //! The thread that renders: the newest scene first, coarse while it moves, better and better while it stands still.
 
-mod aside;
-mod easel;
-mod examine;
+mod background_renderer;
 mod refine;
 mod render_thread;
+mod renderers;
 mod task;
+mod validity;
 
 use super::author::Gate;
+use super::background::Notify;
 use super::status::Stage;
 use egui::ColorImage;
 use hypertexture::gpu::Gpu;
@@ -23,7 +24,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, mpsc};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-pub(super) use easel::sight;
+pub(super) use renderers::sight;
 
 /// A preview is waited for to be on the screen for so long at most: a hidden window shows none.
 const SHOWN: Duration = Duration::from_millis(40);
@@ -40,7 +41,7 @@ pub(super) struct Variant {
 
 impl Variant {
     /// Whether another one has the same modules and object.
-    pub(super) fn is_made_as(&self, other: &Variant) -> bool {
+    pub(super) fn has_same_program(&self, other: &Variant) -> bool {
         Arc::ptr_eq(&self.library, &other.library) && Arc::ptr_eq(&self.subject, &other.subject)
     }
 }
@@ -176,12 +177,7 @@ impl Shared {
 
 impl Worker {
     /// Starts the thread. `notify` is called from it when there is an event.
-    pub(super) fn start(
-        gpu: Gpu,
-        gate: Arc<Gate>,
-        budget_ms: f64,
-        notify: impl Fn() + Send + Sync + 'static,
-    ) -> Worker {
+    pub(super) fn start(gpu: Gpu, gate: Arc<Gate>, budget_ms: f64, notify: Notify) -> Worker {
         let shared = Arc::new(Shared::default());
         let (sender, events) = mpsc::channel();
         let own = shared.clone();

@@ -2,38 +2,18 @@
 
 use super::render_thread::RenderThread;
 use super::{Event, Task, Variant};
+use crate::background::{cancel_if, catch_cancellation};
 use hypertexture::output::sequence::{Frames, Sequence, frame_path};
 use hypertexture::output::{self, Depth, Provenance};
 use hypertexture::render::{Frame, RenderError, Renderer};
 use hypertexture::scene::Scene;
 use measure::compare::Stage;
 use measure::pick::{ErrorBound, PickError, pick};
-use std::panic::{self, AssertUnwindSafe};
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
 /// Frames per second of a recording.
 const FPS: f64 = 25.0;
-
-/// Thrown through a computation that nobody waits for any more.
-struct Stopped;
-
-/// Leaves [`unless_stopped`] where it `stops`. Unwinding is the one way out of a computation that spans threads; nothing of
-/// it is kept.
-pub(super) fn leave_where(stops: bool) {
-    if stops {
-        panic::resume_unwind(Box::new(Stopped));
-    }
-}
-
-/// What `work` gives; none where it was left.
-pub(super) fn unless_stopped<T>(work: impl FnOnce() -> T) -> Option<T> {
-    match panic::catch_unwind(AssertUnwindSafe(work)) {
-        Ok(done) => Some(done),
-        Err(reason) if reason.is::<Stopped>() => None,
-        Err(reason) => panic::resume_unwind(reason),
-    }
-}
 
 impl RenderThread {
     pub(super) fn work(&self, task: Task) -> Result<(), RenderError> {
@@ -94,11 +74,11 @@ impl RenderThread {
     fn pick(&self, variant: &Variant, bound: ErrorBound) -> Result<(), RenderError> {
         let Variant { scene, library, subject } = variant;
         let progress = |done: f32| {
-            leave_where(self.stops());
+            cancel_if(self.stops());
             (self.tell)(Event::Picking(done));
         };
         let stage = Stage { gpu: &self.gpu, library, subject, worker: None, stop: &|| false };
-        let found = match unless_stopped(|| pick(stage, scene, bound, &progress)) {
+        let found = match catch_cancellation(|| pick(stage, scene, bound, &progress)) {
             Some(Ok(found)) => Event::Picked(Some(Box::new(found))),
             Some(Err(PickError::Render(error))) => return Err(error),
             Some(Err(error)) => Event::Failed(error.to_string()),

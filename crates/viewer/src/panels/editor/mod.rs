@@ -5,7 +5,7 @@
 
 mod complete;
 mod find;
-mod paint;
+mod highlight;
 mod text;
 
 use super::widgets::{button, named};

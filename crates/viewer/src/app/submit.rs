@@ -18,7 +18,7 @@ impl App {
     }
 
     /// Gives the thread that renders what is to be seen now, if that is something new.
-    pub(super) fn post(&mut self, ui: &Ui, now: Instant) {
+    pub(super) fn submit(&mut self, ui: &Ui, now: Instant) {
         if *self.library != *self.model.library() {
             self.library = Arc::new(self.model.library().clone());
         }
@@ -26,20 +26,20 @@ impl App {
         let pane = self.place.size() * points;
         let size = [pane.x, pane.y].map(|side| (side.round() as u32).clamp(16, 8192));
         let mut scenes = vec![(self.shown(), self.library.clone())];
-        if let Some((kept, library)) = &self.kept {
+        if let Some((kept, library)) = &self.pinned {
             scenes.push((Scene { camera: scenes[0].0.camera.clone(), ..kept.clone() }, library.clone()));
         }
-        let notify = self.notify.clone();
         let (mut variants, lacked, mut lacks) = (Vec::new(), self.lacks_object, false);
         for (mut scene, library) in scenes {
             scene.image.size = size;
             // The object is the same wherever it is looked at from.
-            let before = self.posted.as_ref().filter(|_| !lacked).and_then(|job| job.variants.get(variants.len()));
-            let before = before.filter(|own| Arc::ptr_eq(&own.library, &library) && is_seen_again(&own.scene, &scene));
+            let before = self.submitted.as_ref().filter(|_| !lacked).and_then(|job| job.variants.get(variants.len()));
+            let before =
+                before.filter(|own| Arc::ptr_eq(&own.library, &library) && differs_in_camera_only(&own.scene, &scene));
             let subject = match before {
                 Some(before) => Ok(Some(before.subject.clone())),
                 // One after the other: what is loaded for the second takes the place of what is loaded for the first.
-                None => self.loader.subject(&scene, &library, !lacks, &move_clone(&notify)),
+                None => self.loader.subject(&scene, &library, !lacks, &self.notify),
             };
             match subject {
                 Ok(Some(subject)) => variants.push(Variant { scene, library, subject }),
@@ -54,20 +54,20 @@ impl App {
         if self.loader.progress().is_some() {
             ui.ctx().request_repaint_after(Duration::from_millis(50));
         }
-        let expected = 1 + usize::from(self.kept.is_some());
+        let expected = 1 + usize::from(self.pinned.is_some());
         self.lacks_object = lacks || variants.len() < expected;
         if variants.len() < expected {
             return;
         }
         let same = |job: &Job| {
             job.variants.len() == variants.len()
-                && job.variants.iter().zip(&variants).all(|(a, b)| a.scene == b.scene && a.is_made_as(b))
+                && job.variants.iter().zip(&variants).all(|(a, b)| a.scene == b.scene && a.has_same_program(b))
         };
-        let changed = !self.posted.as_ref().is_some_and(same);
+        let changed = !self.submitted.as_ref().is_some_and(same);
         if changed {
-            self.sight = sight(&variants[0]).ok();
+            self.current_view = sight(&variants[0]).ok();
         }
-        if changed && self.posted.is_some() {
+        if changed && self.submitted.is_some() {
             self.changed = now;
             if self.figures.picking.is_some() && self.clock.is_none() {
                 // Input comes first: what is looked for is looked for again once the scene rests.
@@ -81,8 +81,8 @@ impl App {
         let max_error = self.max_error.unwrap_or(GOOD);
         let validity = self.validity;
         let asks_the_same = |job: &Job| (job.max_error.to_bits(), job.validity) == (max_error.to_bits(), validity);
-        let is_other = changed || !self.posted.as_ref().is_some_and(asks_the_same);
-        if is_other || self.posted.as_ref().is_some_and(|job| job.moving != moving) {
+        let is_other = changed || !self.submitted.as_ref().is_some_and(asks_the_same);
+        if is_other || self.submitted.as_ref().is_some_and(|job| job.moving != moving) {
             self.number += 1;
             if is_other {
                 self.since = self.number;
@@ -92,11 +92,11 @@ impl App {
             if let Some(worker) = &self.worker {
                 worker.show(job.clone());
             }
-            self.posted = Some(job);
+            self.submitted = Some(job);
         }
-        self.unread.moves(moving || !self.is_current());
-        if let (false, Some(job)) = (moving, &self.posted) {
-            self.unread.want(job, move || notify());
+        self.unused_settings.pause(moving || !self.is_current());
+        if let (false, Some(job)) = (moving, &self.submitted) {
+            self.unused_settings.request(job, &self.notify);
         }
         // What the hand moves is drawn when it moves.
         if self.clock.is_some() || self.glide.is_some() {
@@ -114,16 +114,10 @@ impl App {
 }
 
 /// Whether two scenes differ in the camera and the size of the picture alone.
-fn is_seen_again(before: &Scene, now: &Scene) -> bool {
+fn differs_in_camera_only(before: &Scene, now: &Scene) -> bool {
     let mut seen = Scene { camera: now.camera.clone(), ..before.clone() };
     seen.image.size = now.image.size;
     seen == *now
-}
-
-/// A function that calls this one.
-pub(super) fn move_clone(notify: &super::Notify) -> impl Fn() + Clone + Send + 'static + use<> {
-    let notify = notify.clone();
-    move || notify()
 }
 
 #[cfg(test)]
@@ -153,7 +147,7 @@ mod tests {
         let variants = vec![Variant { scene, library, subject }];
         let job = Job { number: 2, variants, moving: true, max_error: 1e-3, focus: [0.5; 2], validity: false };
         let now = Instant::now();
-        (app.number, app.on_screen, app.posted) = (2, 1, Some(job));
+        (app.number, app.on_screen, app.submitted) = (2, 1, Some(job));
         (app.figures.stage, app.figures.is_cpu) = (Stage::Coarse, true);
         assert_eq!(app.hold(now), Some(HOLD));
         assert!(app.hold(now + HOLD / 2).is_some());
@@ -162,12 +156,12 @@ mod tests {
         let cases: [fn(&mut App); 4] = [
             |app| app.fresh = true,
             |app| app.on_screen = 2,
-            |app| app.posted.iter_mut().for_each(|job| job.moving = false),
+            |app| app.submitted.iter_mut().for_each(|job| job.moving = false),
             |app| app.figures.is_cpu = false,
         ];
         for change in cases {
-            (app.fresh, app.on_screen, app.figures.is_cpu, app.held) = (false, 1, true, None);
-            app.posted.iter_mut().for_each(|job| job.moving = true);
+            (app.fresh, app.on_screen, app.figures.is_cpu, app.waiting_since) = (false, 1, true, None);
+            app.submitted.iter_mut().for_each(|job| job.moving = true);
             assert!(app.hold(now).is_some());
             change(&mut app);
             assert_eq!(app.hold(now), None);
@@ -180,7 +174,7 @@ mod tests {
         assert!(!app.is_current());
         (app.number, app.on_screen, app.since) = (1, 1, 1);
         assert!(app.is_current());
-        egui::__run_test_ui(|ui| app.post(ui, Instant::now()));
+        egui::__run_test_ui(|ui| app.submit(ui, Instant::now()));
         assert!(app.loading().is_some() && !app.is_current());
         app.on_screen = 2;
         assert!(!app.is_current(), "it gets better still");
@@ -195,9 +189,9 @@ mod tests {
         });
         let context = egui::Context::default();
         let mut post = |app: &mut App| {
-            let output = context.run_ui(egui::RawInput::default(), |ui| app.post(ui, Instant::now()));
+            let output = context.run_ui(egui::RawInput::default(), |ui| app.submit(ui, Instant::now()));
             output.drop_without_applying_deltas();
-            app.posted.clone()
+            app.submitted.clone()
         };
         let wait = |app: &mut App, post: &mut dyn FnMut(&mut App) -> Option<Job>| {
             let began = Instant::now();
@@ -206,7 +200,7 @@ mod tests {
                 app.loader.poll().unwrap();
                 std::thread::sleep(Duration::from_millis(5));
             }
-            app.posted.clone().unwrap()
+            app.submitted.clone().unwrap()
         };
         let short = wait(&mut app, &mut post);
         let length = app.model.parameters(None).outer()[0].clone();
@@ -230,12 +224,12 @@ mod tests {
         let before = preset("fur").unwrap();
         let mut now = before.clone();
         (now.camera.azimuth, now.camera.time, now.image.size) = (50.0, 2.0, [9, 7]);
-        assert!(is_seen_again(&before, &now));
+        assert!(differs_in_camera_only(&before, &now));
         let changes: [fn(&mut Scene); 2] = [|scene| scene.object.resolution += 1, |scene| scene.light.shadows ^= true];
         for change in changes {
             let mut other = now.clone();
             change(&mut other);
-            assert!(!is_seen_again(&before, &other));
+            assert!(!differs_in_camera_only(&before, &other));
         }
     }
 
@@ -244,17 +238,17 @@ mod tests {
         let mut app = app();
         app.model.edit("object.input", |scene| scene.object.input = "cube".into());
         let before = app.library.clone();
-        app.kept = Some((app.model.scene().clone(), before.clone()));
+        app.pinned = Some((app.model.scene().clone(), before.clone()));
         let text = "float another(float d, Sample s) { return d; }\n";
         app.model.set_library(shipped().with_module("dmf", "another", text)).unwrap();
         let began = Instant::now();
-        while app.posted.is_none() {
+        while app.submitted.is_none() {
             assert!(began.elapsed() < Duration::from_secs(600)); // a test that fails ends
             app.loader.poll().unwrap();
-            drop(egui::Context::default().run_ui(egui::RawInput::default(), |ui| app.post(ui, Instant::now())));
+            drop(egui::Context::default().run_ui(egui::RawInput::default(), |ui| app.submit(ui, Instant::now())));
             std::thread::sleep(Duration::from_millis(5));
         }
-        let [now, kept] = &app.posted.as_ref().unwrap().variants[..] else { panic!("two variants") };
+        let [now, kept] = &app.submitted.as_ref().unwrap().variants[..] else { panic!("two variants") };
         assert!(Arc::ptr_eq(&now.library, &app.library) && Arc::ptr_eq(&kept.library, &before));
     }
 }

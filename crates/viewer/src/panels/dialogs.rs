@@ -28,7 +28,7 @@ pub enum Question {
 
 /// What is asked, and the files that there are to be opened.
 #[derive(Default)]
-pub(super) struct Asked {
+pub(super) struct Dialogs {
     pub(super) question: Option<Question>,
     dialog: FileDialog,
     /// Folders of what was not saved by windows before this one, the newest first.
@@ -43,7 +43,7 @@ pub(super) struct Asked {
     pictures: BTreeSet<PathBuf>,
 }
 
-impl Asked {
+impl Dialogs {
     /// Takes over what windows before this one have kept, and the files that they have opened, which `folder` lists.
     pub(super) fn remember(&mut self, kept: Vec<PathBuf>, folder: Option<PathBuf>) {
         self.kept = kept;
