@@ -150,7 +150,7 @@ impl Script {
         }
         self.frames += 1;
         let stage = app.figures.stage;
-        let steady = app.tasks == 0;
+        let steady = app.tasks.running == 0;
         let done = match &step {
             Step::Drawn => app.is_current(),
             Step::Picture => app.is_current() && !matches!(stage, Stage::None | Stage::Coarse | Stage::Partial),
@@ -227,7 +227,7 @@ impl Script {
         };
         let Some((latency, done)) = &mut self.orbit else {
             self.began = now;
-            self.orbit = Some((InputLatency::new(now, app.on_screen), 0));
+            self.orbit = Some((InputLatency::new(now, app.jobs.on_screen), 0));
             return Some(vec![Event::PointerMoved(at(0)), button(at(0), PointerButton::Primary, true)]);
         };
         let mut events = Vec::new();
@@ -266,11 +266,11 @@ impl Script {
     pub(super) fn drawn(&mut self, app: &App, was_drawn: bool) {
         if let Some((latency, _)) = &mut self.orbit {
             // What moves a scene whose object is not there yet is in the first job of it.
-            if !app.lacks_object {
-                latency.submitted(app.number);
+            if !app.jobs.lacks_object {
+                latency.submitted(app.jobs.number);
             }
             if was_drawn {
-                latency.drawn(Instant::now(), app.on_screen, app.figures.size, app.figures.samples);
+                latency.drawn(Instant::now(), app.jobs.on_screen, app.figures.size, app.figures.samples);
             }
         }
     }

@@ -1,12 +1,12 @@
 //! The pixel that is inspected, over the picture.
 
-use super::App;
+use super::state::App;
 use egui::{Pos2, Ui};
 
 impl App {
     /// Width and height of the picture in pixels.
     fn pixels(&self) -> Option<[u32; 2]> {
-        Some(self.submitted.as_ref()?.variants.first()?.scene.image.size)
+        Some(self.jobs.submitted.as_ref()?.variants.first()?.scene.image.size)
     }
 
     /// The pixel at a place of the window.
@@ -28,7 +28,7 @@ impl App {
 
     /// Inspects the pixel under the pointer, or the one in the middle; or stops.
     pub(super) fn inspect_under_pointer(&mut self) {
-        let pointer = self.pointer.and_then(|at| self.pixel_at(at));
+        let pointer = self.navigation.pointer.and_then(|at| self.pixel_at(at));
         let pixel = pointer.or_else(|| self.pixel_at(self.place.center()));
         self.inspector.look_at(pixel.filter(|_| !self.inspector.is_open()));
     }
@@ -47,7 +47,7 @@ impl App {
 
     /// Shows what is known of the pixel.
     pub(super) fn inspect(&mut self, ui: &Ui) {
-        let job = self.submitted.as_ref().filter(|_| self.loader.progress().is_none());
+        let job = self.jobs.submitted.as_ref().filter(|_| self.loader.progress().is_none());
         self.inspector.follow(job, &self.notify);
         if let Some(size) = self.pixels() {
             self.inspector.show(ui, self.place, size);

@@ -65,10 +65,8 @@ pub(super) struct Job {
 
 /// What is done between two jobs.
 pub(super) enum Task {
-    /// Writes the picture that `render` makes. `edited` are modules that are in no file as they are drawn here.
-    Shot { variant: Box<Variant>, path: PathBuf, edited: Vec<String> },
-    /// Writes a turn around the object.
-    Turntable { variant: Box<Variant>, path: PathBuf, frames: u32, edited: Vec<String> },
+    /// Writes the picture of a scene, or the `frames` of a turntable. `edited` are modules whose text is in no file.
+    Write { variant: Box<Variant>, path: PathBuf, frames: Option<u32>, edited: Vec<String> },
     /// Looks for the fastest settings within an error.
     Pick { variant: Box<Variant>, bound: ErrorBound },
 }

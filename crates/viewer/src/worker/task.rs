@@ -17,34 +17,33 @@ const FPS: f64 = 25.0;
 
 impl RenderThread {
     pub(super) fn work(&self, task: Task) -> Result<(), RenderError> {
-        let (Task::Shot { variant, .. } | Task::Turntable { variant, .. } | Task::Pick { variant, .. }) = &task;
+        let (Task::Write { variant, .. } | Task::Pick { variant, .. }) = &task;
         if !self.admits(&variant.scene, &variant.library) {
             return Ok(());
         }
         match task {
-            Task::Shot { variant, path, edited } => {
-                let frame = Renderer::new(&self.gpu, &variant.library, &variant.subject).render(&variant.scene)?;
-                if self.write(&frame, &variant.scene, &edited, &path) {
-                    (self.tell)(Event::Wrote(path));
-                }
-            }
-            Task::Turntable { variant, path, frames, edited } => {
-                let last = frames.max(1) - 1;
-                let sequence = Sequence { frames: Frames { first: 0, last }, fps: FPS, turntable: true };
+            Task::Write { variant, path, frames, edited } => {
+                let count = frames.unwrap_or(1);
+                let frames_of = Frames { first: 0, last: count.max(1) - 1 };
+                let sequence = Sequence { frames: frames_of, fps: FPS, turntable: true };
                 let mut renderer = Renderer::new(&self.gpu, &variant.library, &variant.subject);
-                for frame in 0..=last {
-                    if self.stops() {
-                        let reason = format!("the recording was stopped after {frame} of {frames} frames");
-                        (self.tell)(Event::Stopped(reason));
-                        return Ok(());
+                for frame in 0..count {
+                    let (scene, to) = match frames {
+                        Some(_) => (sequence.scene(&variant.scene, frame), frame_path(&path, frame)),
+                        None => (variant.scene.clone(), path.clone()),
+                    };
+                    if frames.is_some() {
+                        if self.stops() {
+                            let reason = format!("the turntable was stopped after {frame} of {count} frames");
+                            (self.tell)(Event::Stopped(reason));
+                            return Ok(());
+                        }
+                        (self.tell)(Event::Recorded(frame, count));
                     }
-                    (self.tell)(Event::Recorded(frame, frames));
-                    let scene = sequence.scene(&variant.scene, frame);
-                    if !self.write(&renderer.render(&scene)?, &scene, &edited, &frame_path(&path, frame)) {
+                    if !self.write(&renderer.render(&scene)?, &scene, &edited, &to) {
                         return Ok(());
                     }
                 }
-                (self.tell)(Event::Recorded(frames, frames));
                 (self.tell)(Event::Wrote(path));
             }
             Task::Pick { variant, bound } => self.pick(&variant, bound)?,
