@@ -1,6 +1,6 @@
 //! What the mouse does over the picture.
 
-use super::state::App;
+use super::state::{App, Drag};
 use crate::keys;
 use crate::trackball::{drag_light, orbit, zoom_to};
 use crate::worker::Variant;
@@ -11,15 +11,6 @@ use hypertexture::render::variant::Variant as Program;
 
 /// The part of its speed that a ball with inertia keeps for a second.
 const GLIDE: f64 = 0.2;
-
-/// What a drag does.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum Drag {
-    #[default]
-    Turn,
-    Pan,
-    Light,
-}
 
 impl App {
     /// The mouse over the picture.

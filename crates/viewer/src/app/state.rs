@@ -1,6 +1,5 @@
 //! The state of the window, in parts by subject.
 
-use super::mouse::Drag;
 use crate::ViewError;
 use crate::author::Author;
 use crate::background::Notify;
@@ -89,6 +88,15 @@ pub(crate) struct App {
     /// The last message, and the newest job at that time.
     pub(super) message: Option<Message>,
     pub(super) message_job: u64,
+}
+
+/// The effect of a drag.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Drag {
+    #[default]
+    Turn,
+    Pan,
+    Light,
 }
 
 /// Camera control by the mouse.

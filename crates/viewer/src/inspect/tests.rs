@@ -1,7 +1,12 @@
 //! The inspector, used as a person uses it, without a window.
 
+use super::search::Search;
 use super::window::known;
 use super::*;
+use crate::background::Notify;
+use crate::screen::Frame;
+use crate::status::Stage;
+use crate::worker::{Job, Variant};
 use egui::accesskit::{Action, ActionRequest};
 use egui::{Event, Rect, pos2, vec2};
 use egui_kittest::Harness;

@@ -1,6 +1,7 @@
 //! The window about a pixel, and the mark at it.
 
-use super::{Exact, Inspector, Pictures, PixelReport};
+use super::inspector::{Inspector, Pictures};
+use super::search::{Exact, PixelReport};
 use crate::panels::widgets::{button, named};
 use egui::{
     Align2, Color32, DragValue, FontId, Grid, Id, Label, Pos2, Rect, RichText, Sense, Shape, Stroke, StrokeKind, Ui,
@@ -54,7 +55,7 @@ impl Inspector {
     /// What the pixel is, on the screen and in f64.
     fn values(&mut self, ui: &mut Ui, pixel: [u32; 2]) {
         let Pictures { size, own, mean, other } = &self.pictures;
-        let of = |frame: &super::Frame| -> Option<[f64; 4]> {
+        let of = |frame: &crate::screen::Frame| -> Option<[f64; 4]> {
             let at = pixel[1] as usize * size[0] as usize + pixel[0] as usize;
             frame.get(at).map(|value| value.map(f64::from))
         };

@@ -1,7 +1,8 @@
 //! What is asked before something would be lost, and which file is meant.
 
+use super::context::Act;
+use super::request::Request;
 use super::widgets::button;
-use super::{Act, Request};
 use crate::model::Model;
 use crate::unsaved;
 use egui::{Id, Modal, RichText, Ui};

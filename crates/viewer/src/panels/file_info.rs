@@ -1,7 +1,8 @@
 //! What the file of an object holds, as `info` says it: read on a thread of its own when it is looked at.
 
+use super::context::{Pass, prefix};
+use super::status_bar;
 use super::widgets::{button, named};
-use super::{Pass, prefix, status_bar};
 use crate::background::{Background, Notify};
 use egui::{Align2, Context, FontId, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
 use hypertexture::scene::Object;

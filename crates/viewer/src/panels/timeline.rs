@@ -1,7 +1,8 @@
 //! The timeline below the picture.
 
+use super::request::Request;
+use super::status::Status;
 use super::widgets::{button, named};
-use super::{Request, Status};
 use crate::model::Model;
 use egui::{DragValue, Slider, SliderClamping, Ui};
 

@@ -1,9 +1,9 @@
 //! What becomes of a scene that stands still: its own picture, tile by tile, then means of more and more.
 
 use super::background_renderer::BackgroundRenderer;
+use super::job::{Event, Job, Picture, Variant};
 use super::render_thread::{Accumulation, RenderThread};
 use super::renderers::{VariantRenderers, with_other_pass};
-use super::{Event, Job, Picture, Variant};
 use crate::background::{cancel_if, catch_cancellation};
 use crate::progressive::{FEWEST, MOST, Mean, number, reference, resampled, tiles};
 use crate::status::Stage;

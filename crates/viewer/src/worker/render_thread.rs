@@ -1,7 +1,8 @@
 //! Where pictures are made: previews while the scene moves, ever better pictures while it stands still.
 
+use super::job::{Event, Job, Picture};
 use super::renderers::{VariantRenderers, sight};
-use super::{Event, Job, Picture, Shared};
+use super::shared::Shared;
 use crate::author::Gate;
 use crate::progressive::{Budget, FEWEST, Level, Mean, resampled};
 use crate::screen::encode_srgb;
@@ -72,7 +73,7 @@ impl Accumulation {
 
     /// Whether a job asks for the same in another size.
     fn is_resized_by(&self, job: &Job) -> bool {
-        let same = |(own, variant): (&Scene, &super::Variant)| {
+        let same = |(own, variant): (&Scene, &super::job::Variant)| {
             let mut resized = own.clone();
             resized.image.size = variant.scene.image.size;
             resized == variant.scene

@@ -1,7 +1,7 @@
 //! What a variant is drawn with.
 
-use super::Variant;
 use super::background_renderer::BackgroundRenderer;
+use super::job::Variant;
 use crate::progressive::{Level, PREVIEW_BLOCK};
 use hypertexture::gpu::Gpu;
 use hypertexture::render::variant::{Variant as Program, VariantError};

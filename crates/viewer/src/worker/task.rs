@@ -1,7 +1,7 @@
 //! What is done between two pictures.
 
+use super::job::{Event, Task, Variant};
 use super::render_thread::RenderThread;
-use super::{Event, Task, Variant};
 use crate::background::{cancel_if, catch_cancellation};
 use hypertexture::output::sequence::{Frames, Sequence, frame_path};
 use hypertexture::output::{self, Depth, Provenance};

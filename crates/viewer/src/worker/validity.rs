@@ -1,7 +1,7 @@
 //! Which pixels on the screen are not to be trusted.
 
+use super::job::{Event, Job, Picture, Variant};
 use super::render_thread::RenderThread;
-use super::{Event, Job, Picture, Variant};
 use crate::background::{cancel_if, catch_cancellation};
 use crate::status::Stage;
 use egui::ColorImage;

@@ -1,6 +1,6 @@
 //! Words that a beginning may become: parameters, functions, and what GLSL has.
 
-use super::{FONT, field};
+use super::field::{FONT, field};
 use egui::text::{CCursor, CCursorRange};
 use egui::{Area, Color32, Frame, Id, Key, Modifiers, Order, Pos2, RichText, TextEdit, Ui};
 use hypertexture::shader::declare::declaration;

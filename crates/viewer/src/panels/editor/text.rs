@@ -1,7 +1,9 @@
 //! The text itself, with the numbers of its lines and what is wrong with them.
 
 use super::complete::{self, CompletionKey};
-use super::{Editor, FONT, field, find, highlight};
+use super::field::{FONT, field};
+use super::state::Editor;
+use super::{find, highlight};
 use crate::author::{Author, State};
 use crate::model::Model;
 use crate::panels::widgets::named;
