@@ -5,7 +5,7 @@ use egui::{Align2, Area, Color32, CursorIcon, FontId, Frame, Id, Rect, Sense, Sl
 
 /// What is shown of two variants.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Half {
+pub enum CompareMode {
     /// The kept one left of a line, the one that is edited right of it.
     #[default]
     Wipe,
@@ -18,15 +18,15 @@ pub enum Half {
 }
 
 /// Every way to look, with what it is called.
-const HALVES: [(Half, &str, &str); 4] = [
-    (Half::Wipe, "wipe", "The kept variant left of a line, the one that is edited right of it."),
+const MODES: [(CompareMode, &str, &str); 4] = [
+    (CompareMode::Wipe, "wipe", "The kept variant left of a line, the one that is edited right of it."),
     (
-        Half::Difference,
+        CompareMode::Difference,
         "difference",
         "The absolute difference in linear light, or of opacity where that is more, times the gain.",
     ),
-    (Half::Now, "now", "The variant that is edited."),
-    (Half::Kept, "kept", "The variant that was kept."),
+    (CompareMode::Now, "now", "The variant that is edited."),
+    (CompareMode::Kept, "kept", "The variant that was kept."),
 ];
 /// Width of the line that is moved, for the pointer.
 const GRIP: f32 = 12.0;
@@ -35,7 +35,7 @@ const GRIP: f32 = 12.0;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Comparison {
     /// What is shown.
-    pub half: Half,
+    pub mode: CompareMode,
     /// Where the line of the wipe is: 0 is the left side of the picture, 1 the right.
     pub at: f32,
     /// How many times the difference is enlarged.
@@ -44,28 +44,28 @@ pub struct Comparison {
 
 impl Default for Comparison {
     fn default() -> Comparison {
-        Comparison { half: Half::Wipe, at: 0.5, gain: 8.0 }
+        Comparison { mode: CompareMode::Wipe, at: 0.5, gain: 8.0 }
     }
 }
 
 impl Comparison {
     /// The next way to look.
     pub fn next(&mut self) {
-        let here = HALVES.iter().position(|(half, ..)| *half == self.half).unwrap_or_default();
-        self.half = HALVES[(here + 1) % HALVES.len()].0;
+        let here = MODES.iter().position(|(mode, ..)| *mode == self.mode).unwrap_or_default();
+        self.mode = MODES[(here + 1) % MODES.len()].0;
     }
 
     /// What is over the pictures in `place`: the line, what the variants are called, `now` and `kept`, and how to look at
     /// them. `rms` is their difference, where both are as finely sampled.
     pub fn show(&mut self, ui: &mut Ui, place: Rect, [now, kept]: &[String; 2], rms: Option<f64>) {
-        if self.half == Half::Wipe {
+        if self.mode == CompareMode::Wipe {
             self.line(ui, place);
         }
-        let shows = |half: Half| self.half == half || self.half == Half::Wipe;
-        if shows(Half::Kept) {
+        let shows = |mode: CompareMode| self.mode == mode || self.mode == CompareMode::Wipe;
+        if shows(CompareMode::Kept) {
             title(ui, place, Align2::LEFT_BOTTOM, kept);
         }
-        if shows(Half::Now) {
+        if shows(CompareMode::Now) {
             title(ui, place, Align2::RIGHT_BOTTOM, now);
         }
         let dark = Frame::popup(ui.style()).fill(Color32::from_black_alpha(200));
@@ -78,20 +78,20 @@ impl Comparison {
     }
 
     fn bar(&mut self, ui: &mut Ui, rms: Option<f64>) {
-        for (half, text, doc) in HALVES {
-            let response = ui.selectable_value(&mut self.half, half, text).on_hover_text(doc);
+        for (mode, text, doc) in MODES {
+            let response = ui.selectable_value(&mut self.mode, mode, text).on_hover_text(doc);
             named(ui, &response, &format!("compare.{text}"));
         }
-        match self.half {
-            Half::Wipe => {
+        match self.mode {
+            CompareMode::Wipe => {
                 let response = ui.add(Slider::new(&mut self.at, 0.0..=1.0).show_value(false).text("line"));
                 named(ui, &response, "compare.at").on_hover_text("Where the line is; drag it, or use the arrow keys.");
             }
-            Half::Difference => {
+            CompareMode::Difference => {
                 let response = ui.add(Slider::new(&mut self.gain, 1.0..=1024.0).logarithmic(true).text("gain"));
                 named(ui, &response, "compare.gain").on_hover_text("How many times the difference is enlarged.");
             }
-            Half::Now | Half::Kept => {}
+            CompareMode::Now | CompareMode::Kept => {}
         }
         let text = match rms {
             Some(rms) => format!("RMS {rms:.1e}"),

@@ -1,54 +1,50 @@
-//! How much of the object has which density, found beside the window.
+//! Histogram of the densities of an object, computed in the background.
 
+use super::background::{Background, Notify};
 use super::worker::{Job, Variant};
 use hypertexture::render::densities;
 use hypertexture::scene::{Camera, Light, Quality, Scene};
-use std::sync::{Arc, mpsc};
-use std::thread;
+use std::sync::Arc;
+use std::task::Poll;
 
-/// Points that are looked at. Fewer: bars are noisy. More: they come late.
+/// Sampled points. Lower: noisy bars. Higher: a slow histogram.
 const POINTS: u32 = 1 << 15;
-/// Bars.
+/// Number of bars.
 const BARS: usize = 64;
 
-/// What was found for the scene that was looked at last.
+/// The histogram of the last scene that was asked for.
 #[derive(Default)]
 pub(super) struct Densities {
-    of: Option<Scene>,
-    coming: Option<mpsc::Receiver<Option<Vec<u32>>>>,
-    found: Option<Arc<[u32]>>,
+    content: Option<Scene>,
+    running: Option<Background<Option<Vec<u32>>>>,
+    histogram: Option<Arc<[u32]>>,
 }
 
 impl Densities {
-    /// Begins to look at what a job shows, unless that is known or something is being looked at.
-    pub(super) fn want(&mut self, job: &Job, notify: impl Fn() + Send + 'static) {
+    /// Starts the histogram of a job, unless it is known or another one is being computed.
+    pub(super) fn request(&mut self, job: &Job, notify: &Notify) {
         let Variant { scene, library, subject } = job.variants[0].clone();
         let content = content(&scene);
-        if self.coming.is_some() || self.of.as_ref() == Some(&content) {
+        if self.running.is_some() || self.content.as_ref() == Some(&content) {
             return;
         }
-        let (sender, coming) = mpsc::channel();
-        (self.of, self.coming) = (Some(content), Some(coming));
-        thread::spawn(move || {
+        self.content = Some(content);
+        self.running = Some(Background::start(notify, move |task| {
             let found = densities(&library, &scene, &subject, POINTS, BARS);
-            // Nobody listens any more when the window is closed.
-            let _ = sender.send(found.map_err(|error| log::info!("densities: {error}")).ok());
-            notify();
-        });
+            task.send(found.map_err(|error| log::info!("densities: {error}")).ok());
+        }));
     }
 
-    /// What is known by now; what is of the scene before stays until then.
+    /// The newest histogram.
     pub(super) fn poll(&mut self) -> Option<Arc<[u32]>> {
-        match self.coming.as_ref().map(mpsc::Receiver::try_recv) {
-            None | Some(Err(mpsc::TryRecvError::Empty)) => {}
-            Some(Ok(found)) => (self.coming, self.found) = (None, found.map(Arc::from)),
-            Some(Err(mpsc::TryRecvError::Disconnected)) => (self.coming, self.found) = (None, None),
+        if let Some(Poll::Ready(found)) = self.running.as_ref().map(Background::poll) {
+            (self.running, self.histogram) = (None, found.flatten().map(Arc::from));
         }
-        self.found.clone()
+        self.histogram.clone()
     }
 }
 
-/// What of a scene decides its densities.
+/// The scene with defaults for everything that does not affect densities.
 fn content(scene: &Scene) -> Scene {
     let camera = Camera { time: scene.camera.time, ..Camera::default() };
     Scene { camera, light: Light::default(), quality: Quality::default(), ..scene.clone() }

@@ -3,12 +3,13 @@
 //! Role: a scene and what is wanted of it -> `hypertexture render`, and ffmpeg behind it where a video is wanted. Invariant:
 //! what is stopped leaves whole files or none; the process ends with the [`Rendering`].
 
+use super::background::{Background, Notify};
 use hypertexture::output::sequence::{frame_path, manifest_path};
 use hypertexture::scene::{self, Color, Scene};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::thread::{self, JoinHandle};
+use std::sync::Arc;
 use std::time::Instant;
 use support::{disk_cache, open, write_whole};
 
@@ -119,7 +120,7 @@ pub(super) struct Rendering {
 /// A process, and what it says.
 struct Process {
     child: Child,
-    said: Option<JoinHandle<String>>,
+    stderr: Option<Background<String>>,
 }
 
 impl Process {
@@ -128,15 +129,16 @@ impl Process {
         command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
         let mut child = command.spawn().map_err(|error| format!("{name}: {error}"))?;
         give_way(&child);
-        let said = child.stderr.take().map(|pipe| {
-            thread::spawn(move || {
+        let silent: Notify = Arc::new(|| ());
+        let stderr = child.stderr.take().map(|pipe| {
+            Background::start(&silent, move |task| {
                 let mut said = String::new();
                 // What is no text, or goes on for too long, is not said.
                 let _ = pipe.take(MAX_SAID).read_to_string(&mut said);
-                said
+                task.send(said);
             })
         });
-        Ok(Process { child, said })
+        Ok(Process { child, stderr })
     }
 
     /// Whether it has ended, and how.
@@ -146,7 +148,7 @@ impl Process {
             Ok(Some(status)) => status,
             Err(error) => return Some(Err(error.to_string())),
         };
-        let said = self.said.take().and_then(|said| said.join().ok()).unwrap_or_default();
+        let said = self.stderr.take().and_then(|stderr| stderr.wait()).unwrap_or_default();
         let last = said.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or("no word of why");
         Some(if status.success() { Ok(()) } else { Err(last.trim_start_matches("error: ").to_string()) })
     }

@@ -1,6 +1,6 @@
 //! Glyphs that the fonts of egui lack, from fonts of the system.
 
-use super::app::Notify;
+use super::background::{Background, Notify};
 use egui::epaint::ClippedShape;
 use egui::epaint::text::{FontInsert, FontPriority, FontTweak, InsertFontFamily};
 use egui::{Context, FontData, FontFamily, FontId, Shape};
@@ -8,8 +8,7 @@ use skrifa::{FontRef, MetadataProvider};
 use std::collections::HashSet;
 use std::fs;
 use std::process::{Command, Stdio};
-use std::sync::mpsc::{self, Receiver};
-use std::thread;
+use std::task::Poll;
 
 /// Fonts that are asked for: a text of more scripts is rare, and each takes a process.
 const MOST: usize = 16;
@@ -20,21 +19,21 @@ pub(super) struct Fallback {
     /// Letters that have a glyph, or were asked for.
     known: HashSet<char>,
     asked: usize,
-    coming: Option<(char, Receiver<Option<FontData>>)>,
+    search: Option<(char, Background<Option<FontData>>)>,
     complained: bool,
 }
 
 impl Fallback {
     /// Nothing was looked for; `notify` asks for a frame when a font is there.
     pub(super) fn new(notify: Notify) -> Fallback {
-        Fallback { notify, known: HashSet::new(), asked: 0, coming: None, complained: false }
+        Fallback { notify, known: HashSet::new(), asked: 0, search: None, complained: false }
     }
 
     /// Looks at what a frame shows: a letter without a glyph gets a font, some frames later.
     pub(super) fn look(&mut self, context: &Context, shapes: &[ClippedShape]) {
-        if let Some((letter, coming)) = &self.coming {
-            let Ok(found) = coming.try_recv() else { return };
-            match found {
+        if let Some((letter, search)) = &self.search {
+            let Poll::Ready(found) = search.poll() else { return };
+            match found.flatten() {
                 Some(data) => context.add_font(insert(*letter, data)),
                 None if self.complained => {}
                 None => {
@@ -46,7 +45,7 @@ impl Fallback {
                 }
             }
             // The glyphs of a font are known from the next frame on.
-            self.coming = None;
+            self.search = None;
             context.request_repaint();
             return;
         }
@@ -57,7 +56,8 @@ impl Fallback {
             self.known.insert(letter);
             if self.asked < MOST && !has_glyph(letter) {
                 self.asked += 1;
-                self.coming = Some((letter, search(letter, self.notify.clone())));
+                self.search =
+                    Some((letter, Background::start(&self.notify, move |task| task.send(system_font(letter)))));
                 return;
             }
         }
@@ -83,19 +83,8 @@ fn insert(letter: char, data: FontData) -> FontInsert {
     FontInsert::new(&format!("for {letter}"), data, families.into())
 }
 
-/// Searches beside the window.
-fn search(letter: char, notify: Notify) -> Receiver<Option<FontData>> {
-    let (send, found) = mpsc::channel();
-    thread::spawn(move || {
-        // A window that has closed needs no font.
-        let _ = send.send(of_system(letter));
-        notify();
-    });
-    found
-}
-
 /// The font that fontconfig has for a letter.
-fn of_system(letter: char) -> Option<FontData> {
+fn system_font(letter: char) -> Option<FontData> {
     let pattern = format!("sans:charset={:x}", u32::from(letter));
     let mut command = Command::new("fc-match");
     let output = command.args(["-f", "%{index}\t%{file}", &pattern]).stderr(Stdio::null()).output().ok()?;
@@ -115,6 +104,7 @@ mod tests {
     use super::*;
     use egui::RawInput;
     use std::sync::Arc;
+    use std::thread;
     use std::time::{Duration, Instant};
 
     /// Shows a text until its letter has been looked for; whether it has a glyph.
@@ -124,7 +114,7 @@ mod tests {
         loop {
             let output = context.run_ui(RawInput::default(), |ui| drop(ui.label(format!("an {letter}"))));
             fallback.look(&context, &output.shapes);
-            if fallback.known.contains(&letter) && fallback.coming.is_none() {
+            if fallback.known.contains(&letter) && fallback.search.is_none() {
                 let _ = context.run_ui(RawInput::default(), |_| ());
                 return (context.fonts_mut(|fonts| fonts.has_glyph(&FontId::default(), letter)), fallback);
             }
@@ -136,7 +126,7 @@ mod tests {
     #[test]
     fn a_letter_that_egui_lacks_is_shown_by_a_font_of_the_system() {
         for letter in ['漢', 'あ'] {
-            if of_system(letter).is_none() {
+            if system_font(letter).is_none() {
                 println!("SKIPPED: no font here has {letter}");
                 continue;
             }

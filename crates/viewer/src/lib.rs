@@ -7,20 +7,21 @@
 //! [`hypertexture::scene::Scene::check`] accepts; a change that it refuses is one line of text and nothing else. The thread of the
 //! window submits nothing but what egui draws, and computes no field.
 
-mod answers;
 mod app;
 #[doc(hidden)] // for the tests of this crate
 pub mod author;
+mod background;
 mod canvas;
 #[doc(hidden)] // for the tests of this crate
 pub mod compare;
 mod densities;
 mod display;
 mod error;
+mod event_loop;
 mod finals;
 mod fonts;
-mod host;
 mod input;
+mod input_latency;
 #[doc(hidden)] // for the tests of this crate
 pub mod inspect;
 mod keys;
@@ -31,20 +32,20 @@ pub mod message;
 pub mod model;
 #[doc(hidden)] // for the tests of this crate
 pub mod panels;
+#[doc(hidden)] // for the tests of this crate
+pub mod playback;
 mod progressive;
 mod screen;
 mod script;
 mod status;
-#[doc(hidden)] // for the tests of this crate
-pub mod tempo;
 mod trackball;
-mod unread;
 #[doc(hidden)] // for the tests of this crate
 pub mod unsaved;
+mod unused_settings;
 mod worker;
 
 pub use app::Start;
 pub use display::NO_WINDOW;
 pub use error::ViewError;
-pub use host::run;
+pub use event_loop::run;
 pub use trackball::Trackball;

@@ -1,14 +1,13 @@
 //! Objects loaded beside the window: fields are computed on a thread of their own, with progress, and can be given up.
 
+use super::background::{Background, Notify};
 use hypertexture::render::variant::{Variant, VariantError};
 use hypertexture::render::{RenderError, Subject, Wanted};
 use hypertexture::scene::{Object, ParameterValue, Parameters, Scene};
 use hypertexture::shader::Library;
 use std::collections::BTreeMap;
-use std::panic::{self, AssertUnwindSafe};
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
-use std::sync::{Arc, mpsc};
-use std::thread;
+use std::sync::Arc;
+use std::task::Poll;
 
 /// Subjects that are kept: those of the last presets and variants.
 const KEPT: usize = 6;
@@ -47,19 +46,8 @@ pub(super) struct Loader {
 struct Loading {
     key: Key,
     name: String,
-    progress: Arc<AtomicU32>,
-    cancel: Arc<AtomicBool>,
-    result: mpsc::Receiver<Option<Result<Subject, RenderError>>>,
+    subject: Background<Result<Subject, RenderError>>,
 }
-
-impl Drop for Loading {
-    fn drop(&mut self) {
-        self.cancel.store(true, Ordering::Relaxed);
-    }
-}
-
-/// Thrown through the computation of a field that nobody waits for any more.
-struct Cancelled;
 
 impl Loader {
     /// The subject of a scene if it is there; if not, where it `may_load`, it is being loaded from now on, in place of what was
@@ -69,7 +57,7 @@ impl Loader {
         scene: &Scene,
         library: &Arc<Library>,
         may_load: bool,
-        notify: &(impl Fn() + Clone + Send + 'static),
+        notify: &Notify,
     ) -> Result<Option<Arc<Subject>>, VariantError> {
         let key = Key::of(scene, library)?;
         // From the last on: where several serve, it is the same one as before, and the picture is not begun anew.
@@ -80,7 +68,11 @@ impl Loader {
         }
         let running = self.loading.as_ref().is_some_and(|loading| loading.key.serves(&key));
         if may_load && !running && self.failed.as_ref() != Some(&key) {
-            self.loading = Some(Loading::start(key, scene.clone(), library.clone(), notify.clone()));
+            let (name, scene, library) = (scene.object.input.clone(), scene.clone(), library.clone());
+            let load = Background::start(notify, move |task| {
+                task.send(Subject::load(&scene, &library, &|fraction| task.report(fraction)));
+            });
+            self.loading = Some(Loading { key, name, subject: load });
         }
         Ok(None)
     }
@@ -109,23 +101,18 @@ impl Loader {
     /// Takes what has been loaded; the text says why it could not be.
     pub(super) fn poll(&mut self) -> Result<(), String> {
         let Some(loading) = &self.loading else { return Ok(()) };
-        let outcome = match loading.result.try_recv() {
-            Err(mpsc::TryRecvError::Empty) => return Ok(()),
-            Err(mpsc::TryRecvError::Disconnected) => Some(Err("the computation of the field has failed".to_string())),
-            Ok(result) => result.map(|loaded| loaded.map_err(|error| error.to_string())),
-        };
-        let Some(mut done) = self.loading.take() else { return Ok(()) };
-        let key = std::mem::replace(&mut done.key, Key(Vec::new()));
-        match outcome {
-            None => Ok(()),
-            Some(Ok(subject)) => {
+        let Poll::Ready(loaded) = loading.subject.poll() else { return Ok(()) };
+        let Some(Loading { key, .. }) = self.loading.take() else { return Ok(()) };
+        let failed = || Err("the computation of the field has failed".to_string());
+        match loaded.map_or_else(failed, |loaded| loaded.map_err(|error| error.to_string())) {
+            Ok(subject) => {
                 self.kept.push((key, Arc::new(subject)));
                 if self.kept.len() > KEPT {
                     self.kept.remove(0);
                 }
                 Ok(())
             }
-            Some(Err(reason)) => {
+            Err(reason) => {
                 self.failed = Some(key);
                 Err(reason)
             }
@@ -135,12 +122,12 @@ impl Loader {
     /// What is being loaded, and how far it is.
     pub(super) fn progress(&self) -> Option<(String, f32)> {
         let loading = self.loading.as_ref()?;
-        Some((loading.name.clone(), f32::from_bits(loading.progress.load(Ordering::Relaxed))))
+        Some((loading.name.clone(), loading.subject.progress()))
     }
 
     /// Gives up what is being loaded.
     pub(super) fn cancel(&mut self) {
-        self.failed = self.loading.take().map(|mut loading| std::mem::replace(&mut loading.key, Key(Vec::new())));
+        self.failed = self.loading.take().map(|loading| loading.key);
     }
 
     /// Tries again what could not be loaded, or was given up.
@@ -157,51 +144,25 @@ fn end_at(object: &mut Object, values: &mut BTreeMap<String, ParameterValue>, pa
     }
 }
 
-impl Loading {
-    fn start(key: Key, scene: Scene, library: Arc<Library>, notify: impl Fn() + Send + 'static) -> Loading {
-        let name = scene.object.input.clone();
-        let progress = Arc::new(AtomicU32::new(0));
-        let cancel = Arc::new(AtomicBool::new(false));
-        let (sender, result) = mpsc::channel();
-        let (done, stop) = (progress.clone(), cancel.clone());
-        thread::spawn(move || {
-            let report = |fraction: f32| {
-                done.store(fraction.to_bits(), Ordering::Relaxed);
-                if stop.load(Ordering::Relaxed) {
-                    // Unwinding is the one way out of a computation that spans threads; nothing of it is kept.
-                    panic::resume_unwind(Box::new(Cancelled));
-                }
-            };
-            let loaded = panic::catch_unwind(AssertUnwindSafe(|| Subject::load(&scene, &library, &report)));
-            let loaded = match loaded {
-                Ok(loaded) => Some(loaded),
-                Err(reason) if reason.is::<Cancelled>() => None,
-                Err(reason) => panic::resume_unwind(reason),
-            };
-            // Nobody listens to a computation that was given up.
-            let _ = sender.send(loaded);
-            drop(sender);
-            notify();
-        });
-        Loading { key, name, progress, cancel, result }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use hypertexture::{scene, shader};
     use std::time::{Duration, Instant};
 
+    fn silent() -> Notify {
+        Arc::new(|| ())
+    }
+
     fn wait(loader: &mut Loader, scene: &Scene, library: &Arc<Library>) -> Result<Arc<Subject>, String> {
         let start = Instant::now();
         loop {
-            if let Some(subject) = loader.subject(scene, library, true, &|| ()).unwrap() {
+            if let Some(subject) = loader.subject(scene, library, true, &silent()).unwrap() {
                 return Ok(subject);
             }
             loader.poll()?;
             assert!(start.elapsed() < Duration::from_secs(1800)); // a test that fails ends
-            thread::sleep(Duration::from_millis(5));
+            std::thread::sleep(Duration::from_millis(5));
         }
     }
 
@@ -229,7 +190,7 @@ mod tests {
         let short = wait(&mut loader, &fur, &library).unwrap();
         let length = fur.check(&library).unwrap().outer().first().unwrap().clone();
         fur.parameters.insert(length.clone(), ParameterValue::Number(0.8));
-        assert!(loader.subject(&fur, &library, false, &|| ()).unwrap().is_none() && loader.progress().is_none());
+        assert!(loader.subject(&fur, &library, false, &silent()).unwrap().is_none() && loader.progress().is_none());
         let (held, subject) = loader.stand_in(&fur, &library).unwrap();
         assert!(Arc::ptr_eq(&subject, &short));
         assert!(matches!(held.parameters[&length], ParameterValue::Number(held) if (0.2..0.8).contains(&held)));
@@ -250,7 +211,7 @@ mod tests {
         let key = Key::of(&scene, &library).unwrap();
         let kept = (0..2).map(|_| (key.clone(), Arc::new(subject.clone()))).collect();
         let mut loader = Loader { kept, ..Loader::default() };
-        let mut next = || loader.subject(&scene, &library, true, &|| ()).unwrap().unwrap();
+        let mut next = || loader.subject(&scene, &library, true, &silent()).unwrap().unwrap();
         let first = next();
         assert!((0..3).all(|_| Arc::ptr_eq(&first, &next())));
     }
@@ -263,7 +224,7 @@ mod tests {
         scene.object.input = "nowhere.obj".into();
         let error = wait(&mut loader, &scene, &library).unwrap_err();
         assert!(error.contains("nowhere.obj"), "{error}");
-        assert!(loader.subject(&scene, &library, true, &|| ()).unwrap().is_none());
+        assert!(loader.subject(&scene, &library, true, &silent()).unwrap().is_none());
         assert!(loader.progress().is_none());
     }
 
@@ -273,7 +234,7 @@ mod tests {
         let mut loader = Loader::default();
         let mut scene = scene::preset("lit").unwrap();
         scene.object.resolution = 347; // in no cache
-        assert!(loader.subject(&scene, &library, true, &|| ()).unwrap().is_none());
+        assert!(loader.subject(&scene, &library, true, &silent()).unwrap().is_none());
         let (name, _) = loader.progress().unwrap();
         assert_eq!(name, "teapot");
         loader.cancel();

@@ -1,6 +1,6 @@
 //! How a picture gets on the screen: its colors and its place.
 
-use super::compare::{Comparison, Half};
+use super::compare::{CompareMode, Comparison};
 use egui::epaint::Vertex;
 use egui::{Color32, ColorImage, Mesh, Rect, Shape, TextureHandle, TextureId, TextureOptions, Ui, Vec2, pos2};
 use hypertexture::render::Sight;
@@ -164,12 +164,12 @@ impl Screen {
                 }
             };
         };
-        match (self.textures.as_slice(), comparison.half) {
-            ([now, kept], Half::Wipe) => {
+        match (self.textures.as_slice(), comparison.mode) {
+            ([now, kept], CompareMode::Wipe) => {
                 part(kept, 0.0, comparison.at);
                 part(now, comparison.at, 1.0);
             }
-            ([_, _], Half::Difference) => {
+            ([_, _], CompareMode::Difference) => {
                 if self.difference.as_ref().is_none_or(|(_, gain)| *gain != comparison.gain)
                     && let Some(image) = difference(&self.frames, self.size, comparison.gain)
                 {
@@ -178,7 +178,7 @@ impl Screen {
                 }
                 self.difference.iter().for_each(|(texture, _)| part(texture, 0.0, 1.0));
             }
-            ([_, kept], Half::Kept) => part(kept, 0.0, 1.0),
+            ([_, kept], CompareMode::Kept) => part(kept, 0.0, 1.0),
             ([now, ..], _) => part(now, 0.0, 1.0),
             ([], _) => {}
         }
@@ -299,15 +299,16 @@ mod tests {
             });
             meshes.collect::<Vec<_>>()
         };
-        let wipe = drawn(Comparison { half: Half::Wipe, at: 0.25, gain: 8.0 });
+        let wipe = drawn(Comparison { mode: CompareMode::Wipe, at: 0.25, gain: 8.0 });
         let [(kept, left, from), (now, right, at)] = wipe[..] else { panic!("{wipe:?}") };
         assert_eq!((left.left(), left.right(), right.left(), right.right()), (100.0, 150.0, 150.0, 300.0));
         assert_eq!((from, at), (0.0, 0.25), "both are of the same place");
-        let mut whole = |half| match drawn(Comparison { half, at: 0.25, gain: 8.0 })[..] {
+        let mut whole = |mode| match drawn(Comparison { mode, at: 0.25, gain: 8.0 })[..] {
             [(texture, rect, _)] if rect == place => texture,
             _ => panic!("one whole picture"),
         };
-        let (only_now, only_kept, difference) = (whole(Half::Now), whole(Half::Kept), whole(Half::Difference));
+        let (only_now, only_kept, difference) =
+            (whole(CompareMode::Now), whole(CompareMode::Kept), whole(CompareMode::Difference));
         assert_eq!((only_now, only_kept), (now, kept));
         assert!(difference != now && difference != kept);
     }

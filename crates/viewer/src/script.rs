@@ -13,7 +13,7 @@
 //! key NAME                         a key, as the window lists it
 //! drag X Y X Y [right | ctrl]      the mouse over the picture: 0 to 1 from its left and top
 //! scroll LINES                     the wheel, in the middle of the picture
-//! orbit MOVES SECONDS              a drag of so many moves in circles; prints how fast the window answers them
+//! orbit MOVES SECONDS              a drag of so many moves in circles; prints how fast the window latency them
 //! wait idle                        until no picture is being written or looked for
 //! click NAME                       the control of that name; where several have it, the last
 //! where NAME                       prints where the control or the line is that begins so: left, top, right, bottom
@@ -28,9 +28,9 @@
 //! ```
 
 use super::ViewError;
-use super::answers::Answers;
 use super::app::App;
 use super::author::State;
+use super::input_latency::InputLatency;
 use super::keys;
 use super::status::Stage;
 use accesskit::{Action, ActionData, ActionRequest, Node, NodeId, TreeId};
@@ -103,7 +103,7 @@ pub(super) struct Script {
     began: Instant,
     frames: u32,
     /// What is measured of an orbit, and the moves that were made.
-    orbit: Option<(Answers, u32)>,
+    orbit: Option<(InputLatency, u32)>,
 }
 
 impl Script {
@@ -150,7 +150,7 @@ impl Script {
         }
         self.frames += 1;
         let stage = app.figures.stage;
-        let steady = app.tasks == 0;
+        let steady = app.tasks.running == 0;
         let done = match &step {
             Step::Drawn => app.is_current(),
             Step::Picture => app.is_current() && !matches!(stage, Stage::None | Stage::Coarse | Stage::Partial),
@@ -225,23 +225,23 @@ impl Script {
             let (sin, cos) = (std::f32::consts::TAU * step as f32 / 50.0).sin_cos();
             place.center() + 0.2 * place.size().min_elem() * Vec2::new(cos, sin)
         };
-        let Some((answers, done)) = &mut self.orbit else {
+        let Some((latency, done)) = &mut self.orbit else {
             self.began = now;
-            self.orbit = Some((Answers::new(now, app.on_screen), 0));
+            self.orbit = Some((InputLatency::new(now, app.jobs.on_screen), 0));
             return Some(vec![Event::PointerMoved(at(0)), button(at(0), PointerButton::Primary, true)]);
         };
         let mut events = Vec::new();
         let due = |step: u32| self.began + Duration::from_secs_f32(seconds * step as f32 / moves.max(1) as f32);
         while *done < moves && due(*done) <= now {
-            answers.moved(due(*done));
+            latency.moved(due(*done));
             *done += 1;
             events.push(Event::PointerMoved(at(*done)));
         }
         let late = now.duration_since(due(moves).min(now));
-        if *done == moves && events.is_empty() && (answers.is_complete() || late > LAST_ANSWER) {
+        if *done == moves && events.is_empty() && (latency.is_complete() || late > LAST_ANSWER) {
             // Nobody reads what a script says: it is no reason to end.
             let name = app.model.preset().unwrap_or("scene");
-            let _ = writeln!(io::stdout(), "{name}: {answers}");
+            let _ = writeln!(io::stdout(), "{name}: {latency}");
             events.push(button(at(moves), PointerButton::Primary, false));
             self.orbit = None;
             self.end_step();
@@ -264,13 +264,13 @@ impl Script {
 
     /// A frame is over; the window `was_drawn`, or it waits for a preview.
     pub(super) fn drawn(&mut self, app: &App, was_drawn: bool) {
-        if let Some((answers, _)) = &mut self.orbit {
+        if let Some((latency, _)) = &mut self.orbit {
             // What moves a scene whose object is not there yet is in the first job of it.
-            if !app.lacks_object {
-                answers.posted(app.number);
+            if !app.jobs.lacks_object {
+                latency.submitted(app.jobs.number);
             }
             if was_drawn {
-                answers.drawn(Instant::now(), app.on_screen, app.figures.size, app.figures.samples);
+                latency.drawn(Instant::now(), app.jobs.on_screen, app.figures.size, app.figures.samples);
             }
         }
     }

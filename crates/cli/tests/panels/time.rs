@@ -6,7 +6,7 @@ use egui::accesskit::Action;
 use egui_kittest::kittest::{NodeT, Queryable};
 use hypertexture::scene::preset;
 use viewer::panels::Request;
-use viewer::tempo::Tempo;
+use viewer::playback::Playback;
 
 #[test]
 fn the_timeline_plays_scrubs_and_repeats_by_mouse_and_keys() {
@@ -18,14 +18,14 @@ fn the_timeline_plays_scrubs_and_repeats_by_mouse_and_keys() {
     hand.set("timeline speed", 0.5);
     hand.set("timeline to", 4.0);
     let asked = std::mem::take(&mut hand.0.state_mut().requests);
-    let tempo = Tempo::default();
+    let playback = Playback::default();
     let expected = [
         Request::Pause(true),
         Request::Time(2.5),
         Request::Time(0.0),
-        Request::Tempo(Tempo { repeats: true, ..tempo }),
-        Request::Tempo(Tempo { speed: 0.5, ..tempo }),
-        Request::Tempo(Tempo { range: [0.0, 4.0], ..tempo }),
+        Request::Playback(Playback { repeats: true, ..playback }),
+        Request::Playback(Playback { speed: 0.5, ..playback }),
+        Request::Playback(Playback { range: [0.0, 4.0], ..playback }),
     ];
     assert_eq!(asked, expected);
     // The keyboard scrubs too.

@@ -4,7 +4,7 @@ use egui::accesskit::{Action, ActionData, ActionRequest};
 use egui::{Event, Key, PointerButton, Pos2, Rect, pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use viewer::compare::{Comparison, Half};
+use viewer::compare::{CompareMode, Comparison};
 
 const PLACE: Rect = Rect { min: pos2(20.0, 10.0), max: pos2(620.0, 410.0) };
 
@@ -42,7 +42,7 @@ fn press(harness: &mut Harness<'static, State>, pos: Pos2, pressed: bool) {
 #[test]
 fn the_line_of_the_wipe_is_moved_by_mouse_and_keys() {
     let mut harness = harness();
-    assert_eq!(harness.state().comparison, Comparison { half: Half::Wipe, at: 0.5, gain: 8.0 });
+    assert_eq!(harness.state().comparison, Comparison { mode: CompareMode::Wipe, at: 0.5, gain: 8.0 });
     press(&mut harness, pos2(320.0, 300.0), true);
     harness.event(Event::PointerMoved(pos2(140.0, 200.0)));
     harness.run_steps(1);
@@ -63,7 +63,7 @@ fn the_difference_has_a_gain_and_its_rms_is_that_of_equal_pictures_only() {
     assert!(harness.query_by_label("compare.gain").is_none());
     act(&mut harness, "compare.difference", Action::Click, None);
     act(&mut harness, "compare.gain", Action::SetValue, Some(ActionData::NumericValue(64.0)));
-    assert_eq!((harness.state().comparison.half, harness.state().comparison.gain), (Half::Difference, 64.0));
+    assert_eq!((harness.state().comparison.mode, harness.state().comparison.gain), (CompareMode::Difference, 64.0));
     assert!(harness.query_by_label("compare.at").is_none());
     let says = |harness: &Harness<'static, State>, text: &str| harness.query_all_by_value(text).next().is_some();
     assert!(says(&harness, "RMS: not yet as finely sampled"));
@@ -74,7 +74,7 @@ fn the_difference_has_a_gain_and_its_rms_is_that_of_equal_pictures_only() {
     let mut seen = Vec::new();
     for _ in 0..4 {
         harness.state_mut().comparison.next();
-        seen.push(harness.state().comparison.half);
+        seen.push(harness.state().comparison.mode);
     }
-    assert_eq!(seen, [Half::Now, Half::Kept, Half::Wipe, Half::Difference]);
+    assert_eq!(seen, [CompareMode::Now, CompareMode::Kept, CompareMode::Wipe, CompareMode::Difference]);
 }

@@ -1,6 +1,6 @@
 //! What is asked of the window: by keys, by the panels, by a file that is dropped.
 
-use super::App;
+use super::state::App;
 use crate::keys::Action;
 use crate::panels::{Question, Request, SIDES};
 use crate::worker::{Task, Variant};
@@ -21,33 +21,37 @@ impl App {
     pub(super) fn act(&mut self, action: Action) {
         match action {
             Action::Help => self.help = !self.help,
-            Action::Play => self.request(Request::Pause(self.clock.is_some())),
+            Action::Play => self.request(Request::Pause(self.time.clock.is_some())),
             Action::Reset => self.request(Request::ResetCamera),
             Action::Previous => self.step(-1),
             Action::Next => self.step(1),
             Action::Screenshot => self.request(Request::Screenshot(free_name("hypertexture", ".png"))),
             Action::Record => self.request(Request::Record(self.figures.recording.is_none())),
             Action::Compare => {
-                let kept = self.kept.is_none().then(|| Box::new(self.shown()));
+                let kept = self.comparison.pinned.is_none().then(|| Box::new(self.shown()));
                 self.request(Request::Split(kept));
             }
             Action::Validity => self.request(Request::Validity(!self.validity)),
             Action::Inertia => {
-                self.inertia = !self.inertia;
-                self.glide = None;
-                self.note(if self.inertia { "the ball turns on" } else { "the ball stops when it is let go" });
+                self.navigation.inertia = !self.navigation.inertia;
+                self.navigation.glide = None;
+                self.note(if self.navigation.inertia {
+                    "the ball turns on"
+                } else {
+                    "the ball stops when it is let go"
+                });
             }
-            Action::Level => self.level = !self.level,
+            Action::Level => self.navigation.level = !self.navigation.level,
             Action::Side(index) => {
                 let (_, azimuth, elevation) = SIDES[index];
-                self.glide = None;
+                self.navigation.glide = None;
                 self.model.edit("camera", |scene| {
                     let camera = &mut scene.camera;
                     (camera.azimuth, camera.elevation, camera.rotation) = (azimuth, elevation, None);
                 });
                 self.model.end_undo_group();
             }
-            Action::Look => self.comparison.next(),
+            Action::Look => self.comparison.view.next(),
             Action::Inspect => self.inspect_under_pointer(),
             Action::Worst => self.jump_to_worst(),
             Action::Undo => drop(self.model.undo()),
@@ -70,44 +74,43 @@ impl App {
             Request::ResetCamera => {
                 let time = self.model.scene().camera.time;
                 let home = Camera { time, ..self.model.home().clone() };
-                self.glide = None;
+                self.navigation.glide = None;
                 self.model.edit("camera", |scene| scene.camera = home);
             }
             Request::Split(kept) => {
-                self.kept = kept.map(|scene| (*scene, self.library.clone()));
-                self.validity &= self.kept.is_none();
+                self.comparison.pinned = kept.map(|scene| (*scene, self.library.clone()));
+                self.validity &= self.comparison.pinned.is_none();
             }
             Request::Validity(on) => {
                 self.validity = on;
-                self.kept = self.kept.take().filter(|_| !on); // it is that of one variant
+                self.comparison.pinned = self.comparison.pinned.take().filter(|_| !on); // it is that of one variant
             }
             Request::Record(true) => self.record(),
             Request::Record(false) => self.stop(),
-            Request::Pause(false) => self.clock = Some(self.model.scene().camera.time),
+            Request::Pause(false) => self.time.clock = Some(self.model.scene().camera.time),
             Request::Pause(true) => {
-                if let Some(clock) = self.clock.take() {
+                if let Some(clock) = self.time.clock.take() {
                     self.model.edit("camera.time", |scene| scene.camera.time = clock);
                 }
             }
             Request::Time(time) => {
-                self.tempo.reach(time);
-                match &mut self.clock {
+                self.time.playback.reach(time);
+                match &mut self.time.clock {
                     Some(clock) => *clock = time,
                     None => drop(self.model.edit("camera.time", |scene| scene.camera.time = time)),
                 }
             }
-            Request::Tempo(tempo) => self.tempo = tempo,
-            Request::Level(level) => self.level = level,
+            Request::Playback(playback) => self.time.playback = playback,
+            Request::Level(level) => self.navigation.level = level,
             Request::MaxError(error) => {
-                (self.max_error, self.pick) = (error, error);
+                (self.max_error, self.tasks.pick) = (error, error);
                 if self.figures.picking.is_some() {
                     self.stop(); // what is looked for is no longer asked for
                 }
             }
             Request::Densities => {
-                if let Some(job) = self.posted.as_ref().filter(|job| !job.moving) {
-                    let notify = self.notify.clone();
-                    self.densities.want(job, move || notify());
+                if let Some(job) = self.jobs.submitted.as_ref().filter(|job| !job.moving) {
+                    self.densities.request(job, &self.notify);
                 }
             }
             Request::Open(path) => self.open(&path),
@@ -130,7 +133,7 @@ impl App {
         let count = names.len() as isize;
         let next = here.map_or(0, |here| (here as isize + by).rem_euclid(count));
         self.model.take_preset(names[next as usize], false);
-        self.glide = None;
+        self.navigation.glide = None;
         self.note(format!("{}: {}", names[next as usize], self.model.scene().about));
     }
 
@@ -154,39 +157,39 @@ impl App {
         }
     }
 
-    /// Writes the picture that `render` makes of what is shown.
+    /// Writes the picture of the current scene.
     pub(crate) fn screenshot(&mut self, path: PathBuf) {
-        let edited = self.model.edited();
-        let image = &self.model.scene().image;
-        let [width, height] = image.size;
-        let behind = if image.background.is_some() { "with its background" } else { "transparent where nothing is" };
-        self.writing = format!(", {width} x {height} pixels as the scene says, {behind}");
-        self.task(|variant| Task::Shot { variant, path, edited });
+        let transparent = self.model.scene().image.background.is_none();
+        self.write(path, None, if transparent { ", with a transparent background" } else { ", with its background" });
     }
 
     fn record(&mut self) {
-        let path = free_name("turntable", "_####.png");
         self.figures.recording = Some((0, TURN));
-        let edited = self.model.edited();
+        self.write(free_name("turntable", "_####.png"), Some(TURN), "");
+    }
+
+    fn write(&mut self, path: PathBuf, frames: Option<u32>, note: &str) {
         let [width, height] = self.model.scene().image.size;
-        self.writing = format!(", {TURN} pictures of {width} x {height} pixels");
-        self.task(|variant| Task::Turntable { variant, path, frames: TURN, edited });
+        let count = frames.map_or(String::new(), |frames| format!("{frames} pictures of "));
+        self.tasks.writing = format!(", {count}{width} x {height} pixels{note}");
+        let edited = self.model.edited();
+        self.task(|variant| Task::Write { variant, path, frames, edited });
     }
 
     /// Looks for the fastest settings for the scene within the error that was asked for, once the mouse is let go.
     pub(super) fn pick(&mut self, ui: &Ui, now: Instant) {
-        let Some(error) = self.pick else { return };
-        let rests = self.clock.is_some() || now.duration_since(self.changed) >= CALM;
+        let Some(error) = self.tasks.pick else { return };
+        let rests = self.time.clock.is_some() || now.duration_since(self.jobs.changed) >= CALM;
         let is_free = !ui.input(|input| input.pointer.any_down()) && self.loader.progress().is_none();
         // A picture comes first, if only a coarse one: the search keeps the device busy.
-        if !(rests && is_free && self.is_current() && self.tasks == 0) {
+        if !(rests && is_free && self.is_current() && self.tasks.running == 0) {
             return ui.ctx().request_repaint_after(CALM);
         }
-        self.pick = None;
+        self.tasks.pick = None;
         match ErrorBound::new(Metric::Rmse, error) {
             Ok(bound) => {
                 self.figures.picking = Some(0.0);
-                self.picked_for = Some(self.model.scene().clone());
+                self.tasks.picked_for = Some(self.model.scene().clone());
                 self.task(|variant| Task::Pick { variant, bound });
             }
             Err(error) => self.fail(error.to_string()),
@@ -196,7 +199,7 @@ impl App {
     /// Draws the scene in the way that was picked for it.
     pub(super) fn take(&mut self, pick: &Pick) {
         let content = |scene: &Scene| Scene { camera: Camera::default(), ..scene.clone() };
-        if self.picked_for.take().map(|scene| content(&scene)) != Some(content(self.model.scene())) {
+        if self.tasks.picked_for.take().map(|scene| content(&scene)) != Some(content(self.model.scene())) {
             self.fail("the scene has changed while the fastest settings for it were looked for: ask again");
             return;
         }
@@ -215,15 +218,15 @@ impl App {
 
     fn task(&mut self, task: impl FnOnce(Box<Variant>) -> Task) {
         let scene = self.shown();
-        let subject = self.posted.as_ref().filter(|_| !self.lacks_object);
+        let subject = self.jobs.submitted.as_ref().filter(|_| !self.jobs.lacks_object);
         let (Some(posted), Some(worker)) = (subject, &self.worker) else {
             self.failure.get_or_insert("the object is not loaded yet".into());
             self.fail("the object is not loaded yet");
             return;
         };
         worker.add(task(Box::new(Variant { scene, ..posted.variants[0].clone() })));
-        self.tasks += 1;
-        self.posted = None; // the picture is gone on with afterwards
+        self.tasks.running += 1;
+        self.jobs.submitted = None; // the picture is gone on with afterwards
     }
 }
 

@@ -1,13 +1,12 @@
 //! The pixel that is inspected, over the picture.
 
-use super::App;
-use super::post::move_clone;
+use super::state::App;
 use egui::{Pos2, Ui};
 
 impl App {
     /// Width and height of the picture in pixels.
     fn pixels(&self) -> Option<[u32; 2]> {
-        Some(self.posted.as_ref()?.variants.first()?.scene.image.size)
+        Some(self.jobs.submitted.as_ref()?.variants.first()?.scene.image.size)
     }
 
     /// The pixel at a place of the window.
@@ -29,7 +28,7 @@ impl App {
 
     /// Inspects the pixel under the pointer, or the one in the middle; or stops.
     pub(super) fn inspect_under_pointer(&mut self) {
-        let pointer = self.pointer.and_then(|at| self.pixel_at(at));
+        let pointer = self.navigation.pointer.and_then(|at| self.pixel_at(at));
         let pixel = pointer.or_else(|| self.pixel_at(self.place.center()));
         self.inspector.look_at(pixel.filter(|_| !self.inspector.is_open()));
     }
@@ -48,9 +47,8 @@ impl App {
 
     /// Shows what is known of the pixel.
     pub(super) fn inspect(&mut self, ui: &Ui) {
-        let notify = move_clone(&self.notify);
-        let job = self.posted.as_ref().filter(|_| self.loader.progress().is_none());
-        self.inspector.follow(job, &notify);
+        let job = self.jobs.submitted.as_ref().filter(|_| self.loader.progress().is_none());
+        self.inspector.follow(job, &self.notify);
         if let Some(size) = self.pixels() {
             self.inspector.show(ui, self.place, size);
         }

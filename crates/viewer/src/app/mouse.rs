@@ -1,6 +1,6 @@
 //! What the mouse does over the picture.
 
-use super::App;
+use super::state::{App, Drag};
 use crate::keys;
 use crate::trackball::{drag_light, orbit, zoom_to};
 use crate::worker::Variant;
@@ -12,36 +12,27 @@ use hypertexture::render::variant::Variant as Program;
 /// The part of its speed that a ball with inertia keeps for a second.
 const GLIDE: f64 = 0.2;
 
-/// What a drag does.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum Drag {
-    #[default]
-    Turn,
-    Pan,
-    Light,
-}
-
 impl App {
     /// The mouse over the picture.
     pub(super) fn navigate(&mut self, ui: &Ui, response: &Response) {
         let delta = response.drag_delta();
-        self.pointer = response.hover_pos();
-        self.dragging = response.dragged();
+        self.navigation.pointer = response.hover_pos();
+        self.navigation.dragging = response.dragged();
         if response.is_pointer_button_down_on() {
             keys::stop_writing(ui.ctx());
         }
         if response.drag_started() {
             let modifiers = ui.input(|input| input.modifiers);
-            self.drag = match () {
+            self.navigation.drag = match () {
                 () if !response.dragged_by(PointerButton::Primary) || modifiers.shift => Drag::Pan,
                 () if modifiers.command => Drag::Light,
                 () => Drag::Turn,
             };
-            (self.glide, self.last_turn) = (None, (DVec3::Y, 0.0));
+            (self.navigation.glide, self.navigation.last_turn) = (None, (DVec3::Y, 0.0));
         }
         if let Some(to) = response.interact_pointer_pos().filter(|_| response.dragged()) {
-            match self.drag {
-                Drag::Turn if self.level => self.orbit(delta),
+            match self.navigation.drag {
+                Drag::Turn if self.navigation.level => self.orbit(delta),
                 Drag::Turn => self.roll(ui, to, delta),
                 Drag::Pan => self.pan(delta),
                 Drag::Light => {
@@ -53,7 +44,8 @@ impl App {
             }
         }
         if response.drag_stopped() {
-            self.glide = (self.inertia && self.last_turn.1 > 0.05).then_some(self.last_turn);
+            self.navigation.glide =
+                (self.navigation.inertia && self.navigation.last_turn.1 > 0.05).then_some(self.navigation.last_turn);
             self.model.end_undo_group();
         }
         if response.clicked() {
@@ -82,14 +74,14 @@ impl App {
 
     /// Turns the ball.
     fn roll(&mut self, ui: &Ui, to: Pos2, delta: Vec2) {
-        self.ball.follow(&self.model.scene().camera);
+        self.navigation.ball.follow(&self.model.scene().camera);
         if delta == Vec2::ZERO {
-            self.last_turn.1 = 0.0;
+            self.navigation.last_turn.1 = 0.0;
             return;
         }
-        let (axis, angle) = self.ball.drag(self.on_ball(to - delta), self.on_ball(to));
+        let (axis, angle) = self.navigation.ball.drag(self.on_ball(to - delta), self.on_ball(to));
         let passed = f64::from(ui.input(|input| input.stable_dt)).max(1e-3);
-        self.last_turn = (axis, angle / passed);
+        self.navigation.last_turn = (axis, angle / passed);
         self.turn();
     }
 
@@ -113,34 +105,34 @@ impl App {
         }
     }
 
-    /// Half the height of the view, object units.
+    /// CompareMode the height of the view, object units.
     fn half_height(&self) -> Option<f32> {
-        let Variant { scene, library, subject } = self.posted.as_ref()?.variants.first()?;
+        let Variant { scene, library, subject } = self.jobs.submitted.as_ref()?.variants.first()?;
         let variant = Program::of(scene, library).ok()?;
         Some(render::half_height(scene, subject, &variant))
     }
 
     fn turn(&mut self) {
-        let rotation = self.ball.rotation();
+        let rotation = self.navigation.ball.rotation();
         self.model.edit("camera", |scene| scene.camera.rotation = Some(rotation));
     }
 
     /// Lets the ball turn on.
     pub(super) fn glide(&mut self, passed: f64) {
-        let Some((axis, speed)) = self.glide else { return };
-        self.ball.follow(&self.model.scene().camera);
-        self.ball.spin(axis, speed * passed);
+        let Some((axis, speed)) = self.navigation.glide else { return };
+        self.navigation.ball.follow(&self.model.scene().camera);
+        self.navigation.ball.spin(axis, speed * passed);
         self.turn();
         let slower = speed * GLIDE.powf(passed);
-        self.glide = (slower > 0.02).then_some((axis, slower));
-        if self.glide.is_none() {
+        self.navigation.glide = (slower > 0.02).then_some((axis, slower));
+        if self.navigation.glide.is_none() {
             self.model.end_undo_group();
         }
     }
 
     /// Where the light is on the ball while it is dragged: filled in front of the object, a ring behind it.
     pub(super) fn show_light(&self, ui: &Ui) {
-        if !self.dragging || self.drag != Drag::Light {
+        if !self.navigation.dragging || self.navigation.drag != Drag::Light {
             return;
         }
         let [x, y, z] = self.model.scene().light.position;

@@ -1,6 +1,6 @@
 //! What lies over the picture.
 
-use super::App;
+use super::state::App;
 use crate::keys::{self, Action};
 use egui::{Align2, Area, Color32, Frame, Id, ProgressBar, RichText, Sense, Ui, Vec2};
 use hypertexture::scene::Scene;
@@ -10,9 +10,9 @@ impl App {
     /// What two variants are compared by, the pixel that is inspected, what is being loaded, and the list of keys.
     pub(super) fn show_over(&mut self, ui: &mut Ui) {
         let place = self.place;
-        if let Some((kept, _)) = &self.kept {
+        if let Some((kept, _)) = &self.comparison.pinned {
             let titles = titles(self.model.scene(), kept);
-            self.comparison.show(ui, place, &titles, self.figures.difference);
+            self.comparison.view.show(ui, place, &titles, self.figures.difference);
         }
         self.inspect(ui);
         self.show_light(ui);
@@ -68,11 +68,11 @@ impl App {
     fn show_keys(&self, ui: &mut Ui) {
         egui::Grid::new("keys").num_columns(2).spacing([18.0, 4.0]).show(ui, |ui| {
             let state = |action: Action| match action {
-                Action::Play => Some(self.clock.is_some()),
-                Action::Compare => Some(self.kept.is_some()),
+                Action::Play => Some(self.time.clock.is_some()),
+                Action::Compare => Some(self.comparison.pinned.is_some()),
                 Action::Validity => Some(self.validity),
-                Action::Inertia => Some(self.inertia),
-                Action::Level => Some(self.level),
+                Action::Inertia => Some(self.navigation.inertia),
+                Action::Level => Some(self.navigation.level),
                 Action::Inspect => Some(self.inspector.is_open()),
                 Action::FullScreen => Some(self.full_screen),
                 Action::Record => Some(self.figures.recording.is_some()),

@@ -1,6 +1,7 @@
 //! What the other threads have made, and what the panels are told of it.
 
-use super::{App, GOOD};
+use super::state::App;
+use super::submit::GOOD;
 use crate::panels::Status;
 use crate::status::{Figures, Stage};
 use crate::worker::Event;
@@ -21,7 +22,7 @@ impl App {
                 Event::Picture(picture) => {
                     self.inspector.take(&picture.frames, picture.size, picture.stage);
                     self.screen.take(picture.images, picture.frames, picture.size);
-                    (self.seen, self.fresh) = (picture.sight, true);
+                    (self.jobs.shown_view, self.jobs.fresh) = (picture.sight, true);
                     let figures = &mut self.figures;
                     (figures.stage, figures.size, figures.samples) = (picture.stage, picture.size, picture.samples);
                     (figures.gpu_ms, figures.difference) = (picture.gpu_ms, picture.difference);
@@ -33,25 +34,25 @@ impl App {
                         let surplus = figures.recent_ms.len().saturating_sub(120);
                         figures.recent_ms.drain(..surplus);
                     }
-                    self.on_screen = picture.number;
+                    self.jobs.on_screen = picture.number;
                     // What went wrong with an earlier scene no longer holds.
-                    self.said.take_if(|said| said.is_error && picture.number > self.said_at);
+                    self.message.take_if(|said| said.is_error && picture.number > self.message_job);
                 }
                 Event::Stopped(line) => {
-                    (self.tasks, self.figures.recording) = (self.tasks.saturating_sub(1), None);
+                    (self.tasks.running, self.figures.recording) = (self.tasks.running.saturating_sub(1), None);
                     self.note(line);
                 }
                 Event::Made(lines) => self.figures.made = lines,
                 Event::Ignored(ignored) => self.figures.ignored = ignored,
                 Event::Wrote(path) => {
-                    self.tasks = self.tasks.saturating_sub(1);
+                    self.tasks.running = self.tasks.running.saturating_sub(1);
                     self.figures.recording = None;
                     let path = std::path::absolute(&path).unwrap_or(path);
-                    self.note(format!("wrote {}{}", path.display(), self.writing));
+                    self.note(format!("wrote {}{}", path.display(), self.tasks.writing));
                 }
                 Event::Picking(done) => self.figures.picking = Some(done),
                 Event::Picked(pick) => {
-                    (self.tasks, self.figures.picking) = (self.tasks.saturating_sub(1), None);
+                    (self.tasks.running, self.figures.picking) = (self.tasks.running.saturating_sub(1), None);
                     if let Some(pick) = pick {
                         self.take(&pick);
                     }
@@ -59,14 +60,14 @@ impl App {
                 Event::Recorded(done, all) => self.figures.recording = Some((done, all)),
                 Event::Refused(reason) => {
                     self.failure.get_or_insert(reason.clone());
-                    (self.tasks, self.figures.recording, self.figures.picking) = (0, None, None);
+                    (self.tasks.running, self.figures.recording, self.figures.picking) = (0, None, None);
                     self.fail(reason);
                 }
                 Event::Failed(reason) => {
-                    if self.tasks > 0 {
+                    if self.tasks.running > 0 {
                         self.failure.get_or_insert(reason.clone());
                     }
-                    (self.tasks, self.figures.recording, self.figures.picking) = (0, None, None);
+                    (self.tasks.running, self.figures.recording, self.figures.picking) = (0, None, None);
                     self.fail(reason);
                 }
                 Event::Lost => self.lost = true,
@@ -84,29 +85,29 @@ impl App {
         Status {
             frame_ms: (!recent.is_empty()).then_some([self.figures.gpu_ms, spread]),
             error: error.map(|error| [error, standard_error.unwrap_or(error)]),
-            picture: match self.lacks_object {
+            picture: match self.jobs.lacks_object {
                 true => "preview: the object is not loaded yet".into(),
                 false => self.figures.words(self.max_error.unwrap_or(GOOD)),
             },
             detail: format!("{} x {} pixels, {samples} samples", size[0], size[1]),
             device: self.figures.device.clone(),
-            message: self.said.clone(),
+            message: self.message.clone(),
             ignored: self.figures.ignored.clone(),
-            idle: self.unread.poll(self.model.scene()).to_vec(),
-            window: self.posted.as_ref().map_or([0, 0], |job| job.variants[0].scene.image.size),
+            idle: self.unused_settings.poll(self.model.scene()).to_vec(),
+            window: self.jobs.submitted.as_ref().map_or([0, 0], |job| job.variants[0].scene.image.size),
             made: self.figures.made.clone(),
             progress: self.figures.picking.or(recording.map(|(done, all)| done as f32 / all.max(1) as f32)),
             recent_ms: recent.clone(),
             budget_ms: self.figures.budget_ms,
-            paused: self.clock.is_none(),
+            paused: self.time.clock.is_none(),
             recording: recording.is_some(),
-            split: self.kept.is_some(),
+            split: self.comparison.pinned.is_some(),
             max_error: self.max_error,
             validity: self.validity,
             densities: self.densities.poll(),
-            time: self.clock,
-            tempo: self.tempo,
-            level: self.level,
+            time: self.time.clock,
+            playback: self.time.playback,
+            level: self.navigation.level,
         }
     }
 }

@@ -2,17 +2,15 @@
 
 use super::gate::Gate;
 use super::trial;
+use crate::background::{Background, Notify};
 use crate::model::Model;
-use hypertexture::scene::Scene;
 use hypertexture::shader::compile::{CompileError, Fault};
 use hypertexture::shader::{self, Library};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::{Receiver, Sender, channel};
-use std::thread;
+use std::task::Poll;
 use std::time::{Duration, Instant, SystemTime};
 use support::{open, write_whole};
 
@@ -41,7 +39,9 @@ pub struct Author {
     state: State,
     /// Whether the module is put into the scene once its text is good.
     is_wanted: bool,
-    worker: Worker,
+    gate: Arc<Gate>,
+    /// The check of the text that was submitted last; dropping it cancels it.
+    check: Option<Background<Result<(), CompileError>>>,
 }
 
 /// What became of the text.
@@ -88,13 +88,14 @@ impl Author {
             changed: Instant::now(),
             state: State::Good,
             is_wanted: false,
-            worker: Worker::start(Arc::new(Gate::new(program))),
+            gate: Arc::new(Gate::new(program)),
+            check: None,
         })
     }
 
     /// What decides which programs may be drawn.
     pub fn gate(&self) -> &Arc<Gate> {
-        &self.worker.gate
+        &self.gate
     }
 
     /// Slot and name of the module.
@@ -170,7 +171,7 @@ impl Author {
         let good = library.source(&path).map(String::from);
         self.text = self.drafts.remove(&path).or(good.clone()).unwrap_or_default();
         (self.tried, self.state) = (good, State::Good);
-        self.worker.forget();
+        self.check = None;
     }
 
     /// Keeps a text that the library does not have.
@@ -282,7 +283,9 @@ impl Author {
         {
             model.file_module(&format!("{}/{}", self.slot, self.name), &file.path.to_string_lossy());
         }
-        match self.worker.answer() {
+        let Some(Poll::Ready(answer)) = self.check.as_ref().map(Background::poll) else { return false };
+        self.check = None;
+        match answer {
             None => false,
             Some(_) if self.is_untried() => false,
             Some(Err(error)) => {
@@ -358,15 +361,18 @@ impl Author {
         match trial::scene_with(model.scene(), &library, &self.slot, &self.name) {
             Ok(Some(scene)) => {
                 self.state = State::Compiling;
-                self.worker.submit(scene, library);
+                let (gate, silent): (_, Notify) = (self.gate.clone(), Arc::new(|| ()));
+                self.check = Some(Background::start(&silent, move |task| {
+                    task.send(gate.validate(&scene, &library, &|| task.is_cancelled()));
+                }));
             }
             Ok(None) => {
-                self.worker.forget();
+                self.check = None;
                 let text = format!("no program of this scene has {}; choose a scene that has", self.path());
                 self.state = State::Bad(vec![Fault { at: None, text }]);
             }
             Err(error) => {
-                self.worker.forget();
+                self.check = None;
                 self.state = State::Bad(Fault::all(&error.to_string()));
             }
         }
@@ -403,57 +409,4 @@ fn stamp(path: &Path) -> Option<(SystemTime, u64)> {
 
 fn read(path: &Path) -> Result<String, String> {
     open::text(path, MAX_FILE).map_err(|error| error.to_string())
-}
-
-/// The thread that waits for the compiler. The newest text wins: an older one is given up.
-struct Worker {
-    gate: Arc<Gate>,
-    jobs: Sender<(u64, Scene, Library)>,
-    answers: Receiver<(u64, Result<(), CompileError>)>,
-    newest: Arc<AtomicU64>,
-}
-
-impl Worker {
-    fn start(gate: Arc<Gate>) -> Worker {
-        let (jobs, inbox) = channel::<(u64, Scene, Library)>();
-        let (outbox, answers) = channel();
-        let newest = Arc::new(AtomicU64::new(0));
-        let (current, own) = (Arc::clone(&newest), Arc::clone(&gate));
-        thread::spawn(move || {
-            while let Ok((number, scene, library)) = inbox.recv() {
-                let is_stale = || current.load(Ordering::Relaxed) != number;
-                if is_stale() {
-                    continue;
-                }
-                let answer = own.validate(&scene, &library, &is_stale);
-                if outbox.send((number, answer)).is_err() {
-                    return;
-                }
-            }
-        });
-        Worker { gate, jobs, answers, newest }
-    }
-
-    fn submit(&self, scene: Scene, library: Library) {
-        let number = self.newest.fetch_add(1, Ordering::Relaxed) + 1;
-        // The thread ends only with this end of the channel.
-        let _ = self.jobs.send((number, scene, library));
-    }
-
-    /// Gives up what is under way.
-    fn forget(&self) {
-        self.newest.fetch_add(1, Ordering::Relaxed);
-    }
-
-    /// The answer to the newest job, once.
-    fn answer(&self) -> Option<Result<(), CompileError>> {
-        let newest = self.newest.load(Ordering::Relaxed);
-        self.answers.try_iter().filter(|(number, _)| *number == newest).last().map(|(_, answer)| answer)
-    }
-}
-
-impl Drop for Worker {
-    fn drop(&mut self) {
-        self.forget();
-    }
 }

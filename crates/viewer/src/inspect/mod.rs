@@ -1,134 +1,16 @@
-//! One pixel, looked at closely: its value, its f64 reference, the density along its ray, and the modules that made it.
+//! The pixel inspector: value, f64 reference, density along the ray, and the modules that contribute.
 //!
-//! Role: what is known of the pictures on the screen, and what a thread of its own finds of one pixel. Invariant: a search
-//! ends as soon as another pixel, another scene or nothing is asked for; the window waits for none.
+//! Role: the pictures on the screen, and a search in the background -> a report on one pixel. Invariant: a search is
+//! cancelled when another pixel, another scene or none is selected.
 
+mod inspector;
 mod search;
-mod show;
+mod window;
 mod worst;
 
-pub use search::{Answers, Exact};
+pub use inspector::Inspector;
+pub use search::{Exact, PixelReport};
 pub use worst::worst;
-
-use super::screen::Frame;
-use super::status::Stage;
-use super::worker::{Job, Variant};
-use search::Search;
-
-/// Pixels that are jumped to, and how far apart they are at least, in pixels.
-const WORST: usize = 8;
-const APART: u32 = 12;
-
-/// What is known of the pictures of a scene that stands still.
-#[derive(Default)]
-pub(super) struct Kept {
-    /// Their size.
-    size: [u32; 2],
-    /// As `render` makes it.
-    own: Option<Frame>,
-    /// The mean of so many.
-    mean: Option<(Frame, u32)>,
-    /// That of the variant it is compared with, as finely sampled.
-    other: Option<Frame>,
-}
-
-/// A pixel that is inspected.
-#[derive(Default)]
-pub struct Inspector {
-    /// The pixel, from the left and the top.
-    pixel: Option<[u32; 2]>,
-    kept: Kept,
-    search: Option<Search>,
-    answers: Answers,
-    /// The pixels that are jumped to, with their differences, and the one that is looked at.
-    worst: Vec<([u32; 2], f64)>,
-    at: usize,
-}
-
-impl Inspector {
-    /// Whether a pixel is inspected.
-    pub(super) fn is_open(&self) -> bool {
-        self.pixel.is_some()
-    }
-
-    /// Whether nothing more will be known of it.
-    pub(super) fn is_done(&self) -> bool {
-        self.answers.done
-    }
-
-    /// Inspects a pixel, or none.
-    pub(super) fn look_at(&mut self, pixel: Option<[u32; 2]>) {
-        if self.pixel != pixel {
-            self.pixel = pixel;
-            self.forget();
-        }
-    }
-
-    /// Gives up what is being looked for, and what was found.
-    fn forget(&mut self) {
-        (self.search, self.answers) = (None, Answers::default());
-    }
-
-    /// Takes the pictures of a stage.
-    pub(super) fn take(&mut self, frames: &[Frame], size: [u32; 2], stage: Stage) {
-        let first = frames.first().cloned();
-        match stage {
-            Stage::Coarse => (self.kept, self.worst) = (Kept::default(), Vec::new()),
-            Stage::Scene => self.kept = Kept { size, own: first, mean: None, other: frames.get(1).cloned() },
-            Stage::Refined(count) | Stage::Converged(count) => {
-                self.kept.size = size;
-                self.kept.mean = first.map(|frame| (frame, count));
-                self.kept.other = frames.get(1).cloned();
-                self.worst.clear();
-            }
-            _ => {}
-        }
-    }
-
-    /// Looks for what is not known of the pixel, once the scene stands still; takes what was found.
-    pub(super) fn follow(&mut self, job: Option<&Job>, notify: &(impl Fn() + Clone + Send + 'static)) {
-        if let Some(search) = &mut self.search {
-            search.poll(&mut self.answers);
-        }
-        let (Some(pixel), Some(job)) = (self.pixel, job) else { return };
-        let Variant { scene, library, subject } = &job.variants[0];
-        let [width, height] = scene.image.size;
-        // A smaller window has other pixels.
-        let within = [pixel[0].min(width - 1), pixel[1].min(height - 1)];
-        let is_same = |search: &Search| search.is_of(pixel, scene, library);
-        if within != pixel || self.search.as_ref().is_some_and(|search| !is_same(search)) {
-            self.pixel = Some(within);
-            self.forget();
-        }
-        if self.search.is_none() && !job.moving {
-            let (library, subject) = (library.clone(), subject.clone());
-            self.search = Some(Search::start(within, scene.clone(), library, subject, notify.clone()));
-        }
-    }
-
-    /// Jumps to the next of the pixels that differ most: between two variants that are compared, otherwise between the
-    /// picture of the scene and the mean of many. Whether there are any.
-    pub(super) fn jump(&mut self) -> bool {
-        if self.worst.is_empty() {
-            let Kept { size, own, mean, other } = &self.kept;
-            let first = mean.as_ref().map(|(frame, _)| frame).or(own.as_ref());
-            let pair = match (first, other, own, mean) {
-                (Some(now), Some(other), ..) => Some((now, other)),
-                (_, None, Some(own), Some((mean, _))) => Some((own, mean)),
-                _ => None,
-            };
-            self.worst = pair.map(|(a, b)| worst(a, b, *size, WORST, APART)).unwrap_or_default();
-            self.at = 0;
-        } else {
-            self.at = (self.at + 1) % self.worst.len();
-        }
-        let next = self.worst.get(self.at).map(|(pixel, _)| *pixel);
-        if next.is_some() {
-            self.look_at(next);
-        }
-        next.is_some()
-    }
-}
 
 #[cfg(test)]
 mod tests;

@@ -1,13 +1,13 @@
 //! What is found of a pixel, on a thread of its own.
 
+use crate::background::{Background, Notify};
 use hypertexture::render::variant::Variant as Program;
 use hypertexture::render::{Along, Subject, density_along};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
 use measure::reference::{TOLERANCE, reference_pixels, truth_of};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, mpsc};
-use std::thread;
+use std::sync::Arc;
+use std::task::Poll;
 
 /// Places along the ray. Fewer: bounds between them say less. More: the plot comes later.
 const PLACES: usize = 512;
@@ -28,7 +28,7 @@ pub struct Exact {
 
 /// What is known of a pixel.
 #[derive(Clone, Debug, Default)]
-pub struct Answers {
+pub struct PixelReport {
     /// The density along its ray.
     pub ray: Option<Result<Vec<Along>, String>>,
     /// Its reference.
@@ -55,14 +55,7 @@ pub(super) struct Search {
     pixel: [u32; 2],
     scene: Scene,
     library: Arc<Library>,
-    cancel: Arc<AtomicBool>,
-    coming: mpsc::Receiver<Answer>,
-}
-
-impl Drop for Search {
-    fn drop(&mut self) {
-        self.cancel();
-    }
+    answers: Background<Answer>,
 }
 
 impl Search {
@@ -72,15 +65,11 @@ impl Search {
         scene: Scene,
         library: Arc<Library>,
         subject: Arc<Subject>,
-        notify: impl Fn() + Send + 'static,
+        notify: &Notify,
     ) -> Search {
-        let cancel = Arc::new(AtomicBool::new(false));
-        let (sender, coming) = mpsc::channel();
-        let (own, modules, stop) = (scene.clone(), library.clone(), cancel.clone());
-        thread::spawn(move || {
-            // Nobody listens to a search that was given up.
-            let tell = |answer| drop((sender.send(answer), notify()));
-            let stops = || stop.load(Ordering::Relaxed);
+        let (own, modules) = (scene.clone(), library.clone());
+        let answers = Background::start(notify, move |task| {
+            let (tell, stops) = (|answer| task.send(answer), || task.is_cancelled());
             tell(Answer::Modules(modules_of(&own, &modules)));
             if !stops() {
                 let ray = density_along(&modules, &own, &subject, pixel, PLACES);
@@ -99,19 +88,19 @@ impl Search {
                     }
                 }
             }
-            drop(sender);
-            notify();
         });
-        Search { pixel, scene, library, cancel, coming }
+        Search { pixel, scene, library, answers }
     }
 
-    /// One that ends only when it is given up; and whether it was.
+    /// A search that ends only by cancellation, and its cancel flag.
     #[cfg(test)]
-    pub(super) fn endless(pixel: [u32; 2], scene: Scene, library: Arc<Library>) -> (Search, Arc<AtomicBool>) {
-        let cancel = Arc::new(AtomicBool::new(false));
-        let (sender, coming) = mpsc::channel();
-        std::mem::forget(sender); // it says nothing, and does not end
-        (Search { pixel, scene, library, cancel: cancel.clone(), coming }, cancel)
+    pub(super) fn endless(
+        pixel: [u32; 2],
+        scene: Scene,
+        library: Arc<Library>,
+    ) -> (Search, Arc<std::sync::atomic::AtomicBool>) {
+        let (answers, cancelled) = Background::endless();
+        (Search { pixel, scene, library, answers }, cancelled)
     }
 
     /// Whether this is what is found of the pixel of a scene.
@@ -121,20 +110,20 @@ impl Search {
 
     /// Gives up; what was found stays.
     pub(super) fn cancel(&self) {
-        self.cancel.store(true, Ordering::Relaxed);
+        self.answers.cancel();
     }
 
     /// Takes what was found.
-    pub(super) fn poll(&mut self, answers: &mut Answers) {
+    pub(super) fn poll(&mut self, report: &mut PixelReport) {
         loop {
-            match self.coming.try_recv() {
-                Ok(Answer::Modules(modules)) => answers.modules = modules,
-                Ok(Answer::Ray(ray)) => answers.ray = Some(ray),
-                Ok(Answer::Exact(exact)) => answers.exact = Some(exact),
-                Ok(Answer::Share(name, by)) => answers.shares.push((name, by)),
-                Err(mpsc::TryRecvError::Empty) => return,
-                Err(mpsc::TryRecvError::Disconnected) => {
-                    answers.done = true;
+            match self.answers.poll() {
+                Poll::Ready(Some(Answer::Modules(modules))) => report.modules = modules,
+                Poll::Ready(Some(Answer::Ray(ray))) => report.ray = Some(ray),
+                Poll::Ready(Some(Answer::Exact(exact))) => report.exact = Some(exact),
+                Poll::Ready(Some(Answer::Share(name, by))) => report.shares.push((name, by)),
+                Poll::Pending => return,
+                Poll::Ready(None) => {
+                    report.done = true;
                     return;
                 }
             }

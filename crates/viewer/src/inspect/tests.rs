@@ -1,7 +1,12 @@
 //! The inspector, used as a person uses it, without a window.
 
-use super::show::known;
+use super::search::Search;
+use super::window::known;
 use super::*;
+use crate::background::Notify;
+use crate::screen::Frame;
+use crate::status::Stage;
+use crate::worker::{Job, Variant};
 use egui::accesskit::{Action, ActionRequest};
 use egui::{Event, Rect, pos2, vec2};
 use egui_kittest::Harness;
@@ -31,7 +36,7 @@ fn job(change: impl FnOnce(&mut Scene)) -> Job {
 fn harness(job: Job) -> Harness<'static, (Inspector, Job)> {
     let place = Rect::from_min_max(pos2(0.0, 0.0), pos2(720.0, 480.0));
     let show = move |ui: &mut egui::Ui, (inspector, job): &mut (Inspector, Job)| {
-        inspector.follow(Some(job), &|| ());
+        inspector.follow(Some(job), &(Arc::new(|| ()) as Notify));
         inspector.show(ui, place, SIZE);
     };
     Harness::builder().with_size(vec2(720.0, 480.0)).build_ui_state(show, (Inspector::default(), job))
@@ -46,7 +51,7 @@ fn click(harness: &mut Harness<'static, (Inspector, Job)>, name: &str) {
 
 fn wait(harness: &mut Harness<'static, (Inspector, Job)>) {
     let start = Instant::now();
-    while !harness.state().0.answers.done {
+    while !harness.state().0.report.done {
         assert!(start.elapsed() < Duration::from_secs(1800)); // a test that fails ends
         harness.run_steps(1);
         thread::sleep(Duration::from_millis(5));
@@ -64,14 +69,14 @@ fn a_pixel_has_its_value_its_reference_their_error_its_ray_and_its_modules() {
     harness.state_mut().0.take(&[plain([0.25, 0.5, 0.125, 0.75])], SIZE, Stage::Scene);
     harness.state_mut().0.look_at(Some([24, 16]));
     wait(&mut harness);
-    let exact = harness.state().0.answers.exact.clone().unwrap().unwrap();
+    let exact = harness.state().0.report.exact.clone().unwrap().unwrap();
     assert!((exact.value[3] - 1.0).abs() < 1e-9, "the ball is opaque: {exact:?}");
     for text in [0.25, 0.75, exact.value[0], 0.25 - exact.value[0], -0.25] {
         let text = format!("{text:+.4}");
         assert!(harness.query_all_by_value(&text).next().is_some(), "{text}");
     }
     // The ray meets the front of the ball, and leaves it as far behind.
-    let ray = harness.state().0.answers.ray.clone().unwrap().unwrap();
+    let ray = harness.state().0.report.ray.clone().unwrap().unwrap();
     let inside: Vec<f64> = ray.iter().filter(|at| at.density >= 1.0).map(|at| at.depth).collect();
     let through = inside.last().unwrap() - inside[0];
     assert!((1.95..2.01).contains(&through), "{through}");
@@ -83,7 +88,7 @@ fn a_pixel_has_its_value_its_reference_their_error_its_ray_and_its_modules() {
     // Beside the ball nothing made it.
     harness.state_mut().0.look_at(Some([0, 0]));
     wait(&mut harness);
-    let exact = harness.state().0.answers.exact.clone().unwrap().unwrap();
+    let exact = harness.state().0.report.exact.clone().unwrap().unwrap();
     assert_eq!(exact.value, [0.0; 4]);
     assert!(harness.query_by_label("pixel.ray").is_none() || harness.query_all_by_value("lit").next().is_none());
 }
@@ -107,7 +112,7 @@ fn a_pixel_says_how_much_of_it_each_module_made() {
         let mut harness = harness(job(change));
         harness.state_mut().0.look_at(Some([14, 22]));
         wait(&mut harness);
-        let Answers { shares, exact, .. } = harness.state().0.answers.clone();
+        let PixelReport { shares, exact, .. } = harness.state().0.report.clone();
         for (name, by) in &shares {
             let line = format!("without {name}: {by:.3} off");
             assert!(harness.query_all_by_value(&line).next().is_some(), "{line}");
@@ -138,7 +143,7 @@ fn a_search_is_given_up_by_hand_by_another_pixel_and_by_another_scene() {
     };
     let cancelled = endless(&mut harness, [24, 16]);
     click(&mut harness, "pixel.cancel");
-    assert!(cancelled.load(Ordering::Relaxed) && harness.state().0.answers.exact.is_none());
+    assert!(cancelled.load(Ordering::Relaxed) && harness.state().0.report.exact.is_none());
     assert!(harness.query_all_by_value("reference: given up").next().is_some());
     let cancelled = endless(&mut harness, [25, 16]);
     harness.state_mut().0.look_at(Some([26, 16]));
@@ -149,12 +154,12 @@ fn a_search_is_given_up_by_hand_by_another_pixel_and_by_another_scene() {
     assert!(cancelled.load(Ordering::Relaxed), "by another scene");
     // What was found is of the scene as it is now.
     wait(&mut harness);
-    assert!((harness.state().0.answers.exact.clone().unwrap().unwrap().value[3] - 1.0).abs() < 1e-9);
+    assert!((harness.state().0.report.exact.clone().unwrap().unwrap().value[3] - 1.0).abs() < 1e-9);
     // Nothing is looked for while the scene moves, nor when nothing is inspected.
     harness.state_mut().1.moving = true;
     harness.state_mut().1.variants[0].scene.camera.azimuth = 80.0;
     harness.run_steps(2);
-    assert!(harness.state().0.search.is_none() && harness.state().0.answers.exact.is_none());
+    assert!(harness.state().0.search.is_none() && harness.state().0.report.exact.is_none());
     harness.state_mut().0.look_at(None);
     harness.run_steps(2);
     assert!(harness.query_by_label("pixel.x").is_none());

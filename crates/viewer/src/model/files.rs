@@ -1,6 +1,6 @@
 //! Scenes that are read from files and written to them.
 
-use super::Model;
+use super::state::Model;
 use crate::message::Message;
 use hypertexture::output::{OutputError, read_provenance};
 use hypertexture::scene::{self, Reach, Scene, SceneError};

@@ -1,6 +1,6 @@
 //! Presets: taken with or without their object and view, and what a parameter goes back to.
 
-use super::Model;
+use super::state::Model;
 use hypertexture::scene::{self, Color, Object, ParameterValue, Scene};
 use hypertexture::shader::{Parameter, ParameterKind};
 use std::sync::LazyLock;

@@ -1,7 +1,9 @@
 //! Accuracy against time.
 
+use super::context::Pass;
+use super::request::Request;
+use super::settings;
 use super::widgets::{Field, button, field, number, switch};
-use super::{Pass as Controls, Request, settings};
 use egui::Ui;
 use hypertexture::scene::schema::SETTINGS;
 
@@ -9,8 +11,8 @@ use hypertexture::scene::schema::SETTINGS;
 const FIRST_ERROR: f64 = 1.0 / 255.0;
 
 /// Every field of `quality`, and the error that the window may choose the samples by.
-pub(super) fn show(ui: &mut Ui, controls: &mut Controls<'_>) {
-    let asked = controls.status.max_error;
+pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>) {
+    let asked = pass.status.max_error;
     let mut on = asked.is_some();
     let doc = "Draw with the fastest settings whose root mean square error is at most this.";
     switch(ui, &mut None, &Field { text: Some("Error target"), ..field("max_error.on", doc) }, &mut on);
@@ -21,34 +23,34 @@ pub(super) fn show(ui: &mut Ui, controls: &mut Controls<'_>) {
     // What is typed beyond the slider is held to what `--max-error` takes.
     let wanted = wanted.map(|error| error.clamp(1e-7, 1.0));
     if wanted != asked {
-        controls.requests.push(Request::MaxError(wanted));
+        pass.requests.push(Request::MaxError(wanted));
     }
-    if !controls.advanced {
-        return settings::table(ui, controls, "", "quality");
+    if !pass.advanced {
+        return settings::table(ui, pass, "", "quality");
     }
-    let mut on = controls.status.validity;
+    let mut on = pass.status.validity;
     let doc =
         "Once the picture has converged, color the pixels that change where one setting is made better, and say which.";
     let response = ui.checkbox(&mut on, "validity").on_hover_text(doc);
     if super::widgets::named(ui, &response, "validity").changed() {
-        controls.requests.push(Request::Validity(on));
+        pass.requests.push(Request::Validity(on));
     }
     for setting in SETTINGS.iter().filter(|setting| setting.table() == "quality") {
-        let most = controls.draft.quality.block_size / 2; // two texels for each cell
+        let most = pass.draft.quality.block_size / 2; // two texels for each cell
         let offered = |number| setting.name != "quality.turbulence_cells" || number <= most;
-        settings::show_some(ui, controls, "", setting.name, &offered);
+        settings::show_some(ui, pass, "", setting.name, &offered);
         if setting.name == "quality.samples" {
-            ui.horizontal_wrapped(|ui| factors(ui, controls));
+            ui.horizontal_wrapped(|ui| factors(ui, pass));
         }
     }
 }
 
-/// Half as many samples, and twice as many.
-fn factors(ui: &mut Ui, controls: &mut Controls<'_>) {
+/// CompareMode as many samples, and twice as many.
+fn factors(ui: &mut Ui, pass: &mut Pass<'_>) {
     for (text, factor) in [("half", 0.5), ("double", 2.0)] {
         if button(ui, text, &format!("quality.samples.{text}"), "Samples.").clicked() {
-            let samples = (f64::from(controls.draft.quality.samples) * factor) as u32;
-            controls.set("quality.samples", &samples.max(1).to_string());
+            let samples = (f64::from(pass.draft.quality.samples) * factor) as u32;
+            pass.set("quality.samples", &samples.max(1).to_string());
         }
     }
 }

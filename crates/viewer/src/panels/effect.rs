@@ -1,8 +1,8 @@
 //! The modules of an effect.
 
+use super::context::{Pass, own, prefix};
 use super::settings::{self, modules};
 use super::widgets::{Field, Touch, choice, field, is_narrow, named};
-use super::{Pass, own, prefix};
 use egui::{Button, ComboBox, RichText, Ui};
 use hypertexture::scene::schema::{self, Filled, Kind, SETTINGS, Setting};
 use hypertexture::shader::Library;

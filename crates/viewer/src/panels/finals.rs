@@ -1,6 +1,6 @@
 //! The dialog for final pictures.
 
-use super::Status;
+use super::status::Status;
 use super::widgets::{Field, button, field, fit, named, number, switch};
 use crate::finals::{BEHIND, Motion, Order, Product, Rendering, is_installed};
 use crate::message::Message;

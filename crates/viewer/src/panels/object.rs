@@ -1,7 +1,8 @@
 //! The objects of a scene.
 
+use super::context::{Act, Pass, prefix};
+use super::settings;
 use super::widgets::{self, Field, button, choice, field};
-use super::{Act, Pass, prefix, settings};
 use egui::Ui;
 use hypertexture::scene::schema::SETTINGS;
 use hypertexture::shape::BUILT_IN;

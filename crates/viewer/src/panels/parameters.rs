@@ -1,7 +1,7 @@
 //! The parameters that the modules declare: each a slider with its range, or a color.
 
+use super::context::{Pass, own, prefix};
 use super::widgets::{self, color, field, number};
-use super::{Pass, own, prefix};
 use egui::{Button, RichText, Ui};
 use hypertexture::scene::ParameterValue;
 use hypertexture::shader::ParameterKind;

@@ -1,7 +1,7 @@
 //! Presets: a picture of each, the one of the scene marked.
 
+use super::context::{Act, Pass};
 use super::widgets::{named, switch};
-use super::{Act, Pass};
 use egui::{
     ColorImage, FontId, Id, Pos2, Rect, ScrollArea, Sense, TextWrapMode, TextureHandle, TextureOptions, Ui, Vec2,
 };

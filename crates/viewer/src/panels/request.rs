@@ -1,6 +1,6 @@
 //! What the panels ask for.
 
-use crate::tempo::Tempo;
+use crate::playback::Playback;
 use hypertexture::scene::Scene;
 use std::path::PathBuf;
 
@@ -20,7 +20,7 @@ pub enum Request {
     /// Go to a time, seconds.
     Time(f64),
     /// How time runs from now on.
-    Tempo(Tempo),
+    Playback(Playback),
     /// Whether a drag keeps the vertical axis upright.
     Level(bool),
     /// Choose samples so that the error is at most this; none leaves them to the scene.

@@ -1,6 +1,6 @@
 //! The controls of settings, as the schema has them.
 
-use super::Pass;
+use super::context::Pass;
 use super::widgets::{self, Field, choice, color, field, number, numbers, switch, text};
 use egui::Ui;
 use hypertexture::scene::Color;

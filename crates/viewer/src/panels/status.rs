@@ -1,7 +1,7 @@
 //! What the panels are told.
 
 use crate::message::Message;
-use crate::tempo::Tempo;
+use crate::playback::Playback;
 use std::sync::Arc;
 
 /// What the window knows and the panels show.
@@ -48,7 +48,7 @@ pub struct Status {
     /// The time, while it runs.
     pub time: Option<f64>,
     /// How it runs.
-    pub tempo: Tempo,
+    pub playback: Playback,
     /// Whether a drag keeps the vertical axis upright.
     pub level: bool,
 }

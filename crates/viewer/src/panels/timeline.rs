@@ -1,7 +1,8 @@
 //! The timeline below the picture.
 
+use super::request::Request;
+use super::status::Status;
 use super::widgets::{button, named};
-use super::{Request, Status};
 use crate::model::Model;
 use egui::{DragValue, Slider, SliderClamping, Ui};
 
@@ -10,28 +11,28 @@ const RIGHT: f32 = 300.0;
 
 /// Play and pause, the time, how fast it runs, and which part of it is shown.
 pub(super) fn show(ui: &mut Ui, model: &Model, status: &Status, requests: &mut Vec<Request>) {
-    let (mut tempo, mut time) = (status.tempo, status.time.unwrap_or(model.scene().camera.time));
+    let (mut playback, mut time) = (status.playback, status.time.unwrap_or(model.scene().camera.time));
     ui.horizontal(|ui| {
         let (text, doc) = if status.paused { ("⏵", "Play (Space).") } else { ("⏸", "Pause (Space).") };
         if button(ui, text, "timeline play", doc).clicked() {
             requests.push(Request::Pause(!status.paused));
         }
         if button(ui, "⏮", "timeline start", "Go to the beginning.").clicked() {
-            requests.push(Request::Time(tempo.range[0]));
+            requests.push(Request::Time(playback.range[0]));
         }
-        let [from, to] = tempo.range;
+        let [from, to] = playback.range;
         ui.spacing_mut().slider_width = (ui.available_width() - RIGHT).max(60.0);
         let slider = Slider::new(&mut time, from..=to).clamping(SliderClamping::Never).fixed_decimals(2).suffix(" s");
         let response = ui.add(slider);
         if named(ui, &response, "timeline").on_hover_text("Time, seconds; drag it to scrub.").changed() {
             requests.push(Request::Time(time));
         }
-        let speed = DragValue::new(&mut tempo.speed).range(0.01..=100.0).speed(0.01).prefix("× ").max_decimals(2);
+        let speed = DragValue::new(&mut playback.speed).range(0.01..=100.0).speed(0.01).prefix("× ").max_decimals(2);
         let response = ui.add(speed);
         named(ui, &response, "timeline speed").on_hover_text("Seconds of the scene in a second.");
-        let repeats = ui.toggle_value(&mut tempo.repeats, "loop");
+        let repeats = ui.toggle_value(&mut playback.repeats, "loop");
         named(ui, &repeats, "timeline loop").on_hover_text("Begin again at the end of the range.");
-        let [from, to] = &mut tempo.range;
+        let [from, to] = &mut playback.range;
         let end = |ui: &mut Ui, value: &mut f64, name: &str, doc: &str| {
             let drag = DragValue::new(value).speed(0.05).max_decimals(2).suffix(" s");
             let response = ui.add(drag);
@@ -40,8 +41,8 @@ pub(super) fn show(ui: &mut Ui, model: &Model, status: &Status, requests: &mut V
         end(ui, from, "timeline from", "Where the timeline begins.");
         end(ui, to, "timeline to", "Where it ends.");
     });
-    tempo.range[1] = tempo.range[1].max(tempo.range[0] + 0.01);
-    if tempo != status.tempo {
-        requests.push(Request::Tempo(tempo));
+    playback.range[1] = playback.range[1].max(playback.range[0] + 0.01);
+    if playback != status.playback {
+        requests.push(Request::Playback(playback));
     }
 }

@@ -2,8 +2,10 @@
 //!
 //! A click selects a stop, a drag moves it, a double click adds one or takes one away.
 
+use super::context::{Pass, own, prefix};
+use super::request::Request;
+use super::settings;
 use super::widgets::{button, color, field, named, number, painted};
-use super::{Pass, Request, own, prefix, settings};
 use egui::{
     Align2, Color32, CornerRadius, FontId, Pos2, Rect, Response, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, pos2, vec2,
 };

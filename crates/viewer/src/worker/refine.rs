@@ -1,10 +1,10 @@
 //! What becomes of a scene that stands still: its own picture, tile by tile, then means of more and more.
 
-use super::aside::Aside;
-use super::easel::{Easel, by_the_other_pass};
+use super::background_renderer::BackgroundRenderer;
+use super::job::{Event, Job, Picture, Variant};
 use super::render_thread::{Accumulation, RenderThread};
-use super::task::{leave_where, unless_stopped};
-use super::{Event, Job, Picture, Variant};
+use super::renderers::{VariantRenderers, with_other_pass};
+use crate::background::{cancel_if, catch_cancellation};
 use crate::progressive::{FEWEST, MOST, Mean, number, reference, resampled, tiles};
 use crate::status::Stage;
 use hypertexture::gpu::Area;
@@ -32,7 +32,7 @@ const LOOK: Duration = Duration::from_millis(5);
 /// Previews by which a pass is timed, behind the one that compiles it.
 const TRIALS: usize = 3;
 /// The other pass draws previews where it takes less than this part of the time: as much as times are apart.
-const SOONER: f64 = 0.8;
+const FASTER: f64 = 0.8;
 
 /// A picture that was drawn in tiles.
 pub(super) struct Drawn {
@@ -47,10 +47,10 @@ impl RenderThread {
     pub(super) fn refine(
         &mut self,
         job: &Job,
-        easels: &mut [Easel],
+        renderers: &mut [VariantRenderers],
         still: &mut Accumulation,
     ) -> Result<(), RenderError> {
-        let finished = match self.refined(job, easels, still) {
+        let finished = match self.refined(job, renderers, still) {
             Err(RenderError::Stopped) => return Ok(()),
             other => other?,
         };
@@ -67,12 +67,20 @@ impl RenderThread {
             }
             still.validity.iter().for_each(|validity| self.tell_validity(job, validity, own, still.gpu_ms));
         }
-        easels.iter_mut().zip(&job.variants).try_for_each(|(easel, variant)| self.time_passes(job, variant, easel))
+        renderers
+            .iter_mut()
+            .zip(&job.variants)
+            .try_for_each(|(renderers_of, variant)| self.time_passes(job, variant, renderers_of))
     }
 
     /// Whether the picture has got as good as was asked for, or as it can.
-    fn refined(&mut self, job: &Job, easels: &mut [Easel], still: &mut Accumulation) -> Result<bool, RenderError> {
-        if still.own.is_none() && !self.own_pictures(job, easels, still)? {
+    fn refined(
+        &mut self,
+        job: &Job,
+        renderers: &mut [VariantRenderers],
+        still: &mut Accumulation,
+    ) -> Result<bool, RenderError> {
+        if still.own.is_none() && !self.own_pictures(job, renderers, still)? {
             return Ok(false);
         }
         let mut shown = Instant::now();
@@ -82,13 +90,13 @@ impl RenderThread {
             let mut pictures = Vec::new();
             let sub_frame = number(still.means[0].count);
             still.gpu_ms = 0.0;
-            for (variant, easel) in job.variants.iter().zip(&mut *easels) {
+            for (variant, renderers_of) in job.variants.iter().zip(&mut *renderers) {
                 let scene = reference(&variant.scene);
                 let stale = || shared.is_stale(job_number);
-                if !easel.mean.is_ready(&scene) && !self.rests(job, CALM) {
+                if !renderers_of.mean.is_ready(&scene) && !self.rests(job, CALM) {
                     return Ok(false);
                 }
-                let Some(renderer) = easel.mean.ready(&scene, &stale)? else { return Ok(false) };
+                let Some(renderer) = renderers_of.mean.prepared(&scene, &stale)? else { return Ok(false) };
                 let shared = shared.clone();
                 renderer.stop_where(move |_| shared.is_stale(job_number));
                 let frame = renderer.render_areas(&scene, &[Area::whole(size)], Some(sub_frame))?;
@@ -132,13 +140,18 @@ impl RenderThread {
     }
 
     /// The scene's own picture of each variant; whether they were finished.
-    fn own_pictures(&self, job: &Job, easels: &mut [Easel], still: &mut Accumulation) -> Result<bool, RenderError> {
+    fn own_pictures(
+        &self,
+        job: &Job,
+        renderers: &mut [VariantRenderers],
+        still: &mut Accumulation,
+    ) -> Result<bool, RenderError> {
         let size = job.variants[0].scene.image.size;
         let enlarged = |pixels: &Vec<[f32; 4]>| resampled(pixels, still.size, size, |at| at, [0.0; 4]);
         let mut all = still.partial.take().unwrap_or_else(|| still.coarse.iter().map(enlarged).collect());
         let (mut gpu_ms, mut shown) = (0.0, Instant::now());
         for (index, variant) in job.variants.iter().enumerate() {
-            if !easels[index].own.is_ready(&variant.scene) && !self.rests(job, SHORT) {
+            if !renderers[index].own.is_ready(&variant.scene) && !self.rests(job, SHORT) {
                 still.partial = Some(all);
                 return Ok(false);
             }
@@ -152,7 +165,7 @@ impl RenderThread {
                     self.tell_picture(job, still, &frames, Picture::of(job, Stage::Partial, still.gpu_ms));
                 }
             };
-            let drawn = self.in_tiles(job, &variant.scene, &mut easels[index].own, &mut pixels, &mut show)?;
+            let drawn = self.in_tiles(job, &variant.scene, &mut renderers[index].own, &mut pixels, &mut show)?;
             all[index] = pixels;
             let Some(drawn) = drawn else {
                 still.partial = Some(all);
@@ -183,7 +196,7 @@ impl RenderThread {
         let (number, [width, height]) = (job.number, scene.image.size);
         let stale = || self.shared.is_stale(number);
         // The blocks of noise may take seconds.
-        match unless_stopped(|| renderer.prepare(scene, &|_| leave_where(stale()))) {
+        match catch_cancellation(|| renderer.prepare(scene, &|_| cancel_if(stale()))) {
             None => return Ok(None),
             Some(done) => done?,
         }
@@ -217,12 +230,17 @@ impl RenderThread {
         Ok(Some(drawn))
     }
 
-    /// Times previews by both passes, once for a variant whose picture is finished, and remembers which is sooner.
-    fn time_passes(&self, job: &Job, variant: &Variant, easel: &mut Easel) -> Result<(), RenderError> {
+    /// Times previews by both passes, once for a variant whose picture is finished, and remembers which is faster.
+    fn time_passes(
+        &self,
+        job: &Job,
+        variant: &Variant,
+        renderers_of: &mut VariantRenderers,
+    ) -> Result<(), RenderError> {
         let Variant { scene, library, subject } = variant;
         let own = scene.quality.pass;
-        let is_known = easel.sooner.is_some_and(|[_, of]| of == own);
-        let Some(other) = by_the_other_pass(scene, library).filter(|_| !is_known) else { return Ok(()) };
+        let is_known = renderers_of.faster.is_some_and(|[_, of]| of == own);
+        let Some(other) = with_other_pass(scene, library).filter(|_| !is_known) else { return Ok(()) };
         if !self.rests(job, CALM) {
             return Ok(());
         }
@@ -238,22 +256,22 @@ impl RenderThread {
                 let frames = (0..TRIALS).map(|_| renderer.render(&scene).map(|frame| frame.measurements.alone_ms()));
                 frames.collect::<Result<Vec<f64>, _>>().map(|times| times.into_iter().fold(f64::INFINITY, f64::min))
             };
-            let renderer = || Aside::new(Renderer::new(&self.gpu, library, subject));
-            match easel.trial.get_or_insert_with(renderer).away(&stale, work) {
+            let renderer = || BackgroundRenderer::new(Renderer::new(&self.gpu, library, subject));
+            match renderers_of.trial.get_or_insert_with(renderer).run(&stale, work) {
                 Ok(Some(ms)) if ms > 0.0 => *time = ms,
                 Ok(_) | Err(RenderError::Stopped) => return Ok(()),
                 // The scene's own pass draws it.
                 Err(error) => {
                     log::debug!("previews by the other pass: {error}");
-                    (easel.sooner, easel.trial) = (Some([own; 2]), None);
+                    (renderers_of.faster, renderers_of.trial) = (Some([own; 2]), None);
                     return Ok(());
                 }
             }
         }
-        easel.trial = None;
-        let sooner = if times[1] < SOONER * times[0] { other.quality.pass } else { own };
+        renderers_of.trial = None;
+        let faster = if times[1] < FASTER * times[0] { other.quality.pass } else { own };
         log::debug!("previews take {:.1} ms by {own:?} and {:.1} ms by {:?}", times[0], times[1], other.quality.pass);
-        easel.sooner = Some([sooner, own]);
+        renderers_of.faster = Some([faster, own]);
         Ok(())
     }
 

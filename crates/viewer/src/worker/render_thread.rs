@@ -1,7 +1,8 @@
 //! Where pictures are made: previews while the scene moves, ever better pictures while it stands still.
 
-use super::easel::{Easel, sight};
-use super::{Event, Job, Picture, Shared};
+use super::job::{Event, Job, Picture};
+use super::renderers::{VariantRenderers, sight};
+use super::shared::Shared;
 use crate::author::Gate;
 use crate::progressive::{Budget, FEWEST, Level, Mean, resampled};
 use crate::screen::encode_srgb;
@@ -72,7 +73,7 @@ impl Accumulation {
 
     /// Whether a job asks for the same in another size.
     fn is_resized_by(&self, job: &Job) -> bool {
-        let same = |(own, variant): (&Scene, &super::Variant)| {
+        let same = |(own, variant): (&Scene, &super::job::Variant)| {
             let mut resized = own.clone();
             resized.image.size = variant.scene.image.size;
             resized == variant.scene
@@ -141,16 +142,17 @@ impl RenderThread {
     fn show(&mut self, mut job: Job) -> Option<Job> {
         let gpu = self.gpu.clone();
         let own = job.variants.clone();
-        let mut easels: Vec<Easel> = job.variants.iter().map(|variant| Easel::new(&gpu, variant)).collect();
+        let mut renderers: Vec<VariantRenderers> =
+            job.variants.iter().map(|variant| VariantRenderers::new(&gpu, variant)).collect();
         let mut still = None;
         loop {
-            let done = self.picture(&job, &mut easels, &mut still);
+            let done = self.picture(&job, &mut renderers, &mut still);
             if !self.survives(done) {
                 return None;
             }
             let next = self.next_job()?;
             let same = next.variants.len() == own.len()
-                && next.variants.iter().zip(&own).all(|(variant, own)| variant.is_made_as(own));
+                && next.variants.iter().zip(&own).all(|(variant, own)| variant.has_same_program(own));
             if !same {
                 return Some(next);
             }
@@ -161,7 +163,7 @@ impl RenderThread {
     fn picture(
         &mut self,
         job: &Job,
-        easels: &mut [Easel],
+        renderers: &mut [VariantRenderers],
         still: &mut Option<Accumulation>,
     ) -> Result<(), RenderError> {
         if still.as_ref().is_none_or(|still| still.scenes != scenes(job)) {
@@ -171,11 +173,11 @@ impl RenderThread {
             }
             *still = match before.filter(|before| before.is_resized_by(job)) {
                 Some(before) => Some(self.resized(job, &before)?),
-                None => self.preview(job, easels)?,
+                None => self.preview(job, renderers)?,
             };
         }
         match still {
-            Some(still) if !job.moving => self.refine(job, easels, still),
+            Some(still) if !job.moving => self.refine(job, renderers, still),
             _ => Ok(()),
         }
     }
@@ -194,7 +196,7 @@ impl RenderThread {
     }
 
     /// A picture in time for the next one, as far as the thread does not end.
-    fn preview(&mut self, job: &Job, easels: &mut [Easel]) -> Result<Option<Accumulation>, RenderError> {
+    fn preview(&mut self, job: &Job, renderers: &mut [VariantRenderers]) -> Result<Option<Accumulation>, RenderError> {
         let sights: Result<Vec<Sight>, _> = job.variants.iter().map(sight).collect();
         let sights = sights?;
         let first = &job.variants[0].scene;
@@ -202,11 +204,11 @@ impl RenderThread {
         'level: loop {
             let (start, level) = (Instant::now(), self.budget.level());
             let (mut frames, mut device, mut compile_ms) = (Vec::new(), 0.0, 0.0);
-            for (variant, easel) in job.variants.iter().zip(&mut *easels) {
+            for (variant, renderers_of) in job.variants.iter().zip(&mut *renderers) {
                 let (ends, shared) = (self.budget.ends(), self.shared.clone());
-                easel.own.stop_where(move |ms| shared.quits() || ends(device + ms));
-                let scene = easel.preview(&variant.scene, level);
-                match easel.own.render(&scene) {
+                renderers_of.own.stop_where(move |ms| shared.quits() || ends(device + ms));
+                let scene = renderers_of.preview(&variant.scene, level);
+                match renderers_of.own.render(&scene) {
                     Ok(frame) => {
                         device += frame.measurements.device_ms();
                         compile_ms += frame.measurements.compile_ms;

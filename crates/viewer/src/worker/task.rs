@@ -1,70 +1,49 @@
 //! What is done between two pictures.
 
+use super::job::{Event, Task, Variant};
 use super::render_thread::RenderThread;
-use super::{Event, Task, Variant};
+use crate::background::{cancel_if, catch_cancellation};
 use hypertexture::output::sequence::{Frames, Sequence, frame_path};
 use hypertexture::output::{self, Depth, Provenance};
 use hypertexture::render::{Frame, RenderError, Renderer};
 use hypertexture::scene::Scene;
 use measure::compare::Session;
 use measure::pick::{ErrorBound, PickError, pick};
-use std::panic::{self, AssertUnwindSafe};
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
 /// Frames per second of a recording.
 const FPS: f64 = 25.0;
 
-/// Thrown through a computation that nobody waits for any more.
-struct Stopped;
-
-/// Leaves [`unless_stopped`] where it `stops`. Unwinding is the one way out of a computation that spans threads; nothing of
-/// it is kept.
-pub(super) fn leave_where(stops: bool) {
-    if stops {
-        panic::resume_unwind(Box::new(Stopped));
-    }
-}
-
-/// What `work` gives; none where it was left.
-pub(super) fn unless_stopped<T>(work: impl FnOnce() -> T) -> Option<T> {
-    match panic::catch_unwind(AssertUnwindSafe(work)) {
-        Ok(done) => Some(done),
-        Err(reason) if reason.is::<Stopped>() => None,
-        Err(reason) => panic::resume_unwind(reason),
-    }
-}
-
 impl RenderThread {
     pub(super) fn work(&self, task: Task) -> Result<(), RenderError> {
-        let (Task::Shot { variant, .. } | Task::Turntable { variant, .. } | Task::Pick { variant, .. }) = &task;
+        let (Task::Write { variant, .. } | Task::Pick { variant, .. }) = &task;
         if !self.admits(&variant.scene, &variant.library) {
             return Ok(());
         }
         match task {
-            Task::Shot { variant, path, edited } => {
-                let frame = Renderer::new(&self.gpu, &variant.library, &variant.subject).render(&variant.scene)?;
-                if self.write(&frame, &variant.scene, &edited, &path) {
-                    (self.tell)(Event::Wrote(path));
-                }
-            }
-            Task::Turntable { variant, path, frames, edited } => {
-                let last = frames.max(1) - 1;
-                let sequence = Sequence { frames: Frames { first: 0, last }, fps: FPS, turntable: true };
+            Task::Write { variant, path, frames, edited } => {
+                let count = frames.unwrap_or(1);
+                let frames_of = Frames { first: 0, last: count.max(1) - 1 };
+                let sequence = Sequence { frames: frames_of, fps: FPS, turntable: true };
                 let mut renderer = Renderer::new(&self.gpu, &variant.library, &variant.subject);
-                for frame in 0..=last {
-                    if self.stops() {
-                        let reason = format!("the recording was stopped after {frame} of {frames} frames");
-                        (self.tell)(Event::Stopped(reason));
-                        return Ok(());
+                for frame in 0..count {
+                    let (scene, to) = match frames {
+                        Some(_) => (sequence.scene(&variant.scene, frame), frame_path(&path, frame)),
+                        None => (variant.scene.clone(), path.clone()),
+                    };
+                    if frames.is_some() {
+                        if self.stops() {
+                            let reason = format!("the turntable was stopped after {frame} of {count} frames");
+                            (self.tell)(Event::Stopped(reason));
+                            return Ok(());
+                        }
+                        (self.tell)(Event::Recorded(frame, count));
                     }
-                    (self.tell)(Event::Recorded(frame, frames));
-                    let scene = sequence.scene(&variant.scene, frame);
-                    if !self.write(&renderer.render(&scene)?, &scene, &edited, &frame_path(&path, frame)) {
+                    if !self.write(&renderer.render(&scene)?, &scene, &edited, &to) {
                         return Ok(());
                     }
                 }
-                (self.tell)(Event::Recorded(frames, frames));
                 (self.tell)(Event::Wrote(path));
             }
             Task::Pick { variant, bound } => self.pick(&variant, bound)?,
@@ -94,11 +73,11 @@ impl RenderThread {
     fn pick(&self, variant: &Variant, bound: ErrorBound) -> Result<(), RenderError> {
         let Variant { scene, library, subject } = variant;
         let progress = |done: f32| {
-            leave_where(self.stops());
+            cancel_if(self.stops());
             (self.tell)(Event::Picking(done));
         };
         let session = Session { gpu: &self.gpu, library, subject, worker: None, stop: &|| false };
-        let found = match unless_stopped(|| pick(session, scene, bound, &progress)) {
+        let found = match catch_cancellation(|| pick(session, scene, bound, &progress)) {
             Some(Ok(found)) => Event::Picked(Some(Box::new(found))),
             Some(Err(PickError::Render(error))) => return Err(error),
             Some(Err(error)) => Event::Failed(error.to_string()),

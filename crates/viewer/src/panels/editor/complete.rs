@@ -1,6 +1,6 @@
 //! Words that a beginning may become: parameters, functions, and what GLSL has.
 
-use super::{FONT, field};
+use super::field::{FONT, field};
 use egui::text::{CCursor, CCursorRange};
 use egui::{Area, Color32, Frame, Id, Key, Modifiers, Order, Pos2, RichText, TextEdit, Ui};
 use hypertexture::shader::declare::declaration;
@@ -82,7 +82,7 @@ pub(super) struct Completion {
 
 /// What the keys have asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Asked {
+pub(super) enum CompletionKey {
     Nothing,
     List,
     Take,
@@ -99,18 +99,18 @@ impl Completion {
     }
 
     /// Takes the keys that belong to the list before the text sees them.
-    pub(super) fn keys(&mut self, ui: &Ui) -> Asked {
+    pub(super) fn keys(&mut self, ui: &Ui) -> CompletionKey {
         if !ui.memory(|memory| memory.has_focus(field())) {
             self.close();
-            return Asked::Nothing;
+            return CompletionKey::Nothing;
         }
         let (open, asked, count) = (self.is_open(), self.asked, self.words.len());
         let pressed = |modifiers, key| ui.input_mut(|input| input.consume_key(modifiers, key));
         if pressed(Modifiers::COMMAND, Key::Space) {
-            return Asked::List;
+            return CompletionKey::List;
         }
         if open && pressed(Modifiers::NONE, Key::Tab) || open && asked && pressed(Modifiers::NONE, Key::Enter) {
-            return Asked::Take;
+            return CompletionKey::Take;
         }
         if open && pressed(Modifiers::NONE, Key::Escape) {
             self.close();
@@ -119,7 +119,7 @@ impl Completion {
         } else if open && asked && pressed(Modifiers::NONE, Key::ArrowUp) {
             self.at = (self.at + count - 1) % count;
         }
-        Asked::Nothing
+        CompletionKey::Nothing
     }
 
     /// Offers words for the beginning that ends at a byte of the text; `asked` also those of one letter.

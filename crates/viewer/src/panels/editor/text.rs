@@ -1,7 +1,9 @@
 //! The text itself, with the numbers of its lines and what is wrong with them.
 
-use super::complete::{self, Asked};
-use super::{Editor, FONT, field, find, paint};
+use super::complete::{self, CompletionKey};
+use super::field::{FONT, field};
+use super::state::Editor;
+use super::{find, highlight};
 use crate::author::{Author, State};
 use crate::model::Model;
 use crate::panels::widgets::named;
@@ -29,14 +31,14 @@ pub(super) fn show(ui: &mut Ui, author: &mut Author, model: &Model, editor: &mut
     let digits = (author.text.matches('\n').count() + 1).to_string().len().max(3);
     let gutter = (digit * (digits as f32 + 1.5)).round();
     let asked = editor.completion.keys(ui);
-    if asked == Asked::Take
+    if asked == CompletionKey::Take
         && let Some(end) = editor.completion.take(&mut author.text, None)
     {
         took(ui, author, end);
     }
     let parameters: Vec<String> = complete::parameters(&author.text).into_iter().map(|word| word.text).collect();
     let (wraps, current) = (editor.wraps, editor.find.current());
-    let colors = paint::colors(ui.visuals().dark_mode);
+    let colors = highlight::colors(ui.visuals().dark_mode);
     ScrollArea::both().id_salt("author.text").auto_shrink(false).show(ui, |ui| {
         let view = ui.clip_rect();
         let found = find::matches(&author.text, &editor.find.text);
@@ -45,7 +47,7 @@ pub(super) fn show(ui: &mut Ui, author: &mut Author, model: &Model, editor: &mut
             let text = buffer.as_str();
             let found: &[Range<usize>] =
                 if found.iter().all(|range| text.get(range.clone()).is_some()) { &found } else { &[] };
-            let mut job = paint::job(text, colors, &parameters, &|line| fault(line).is_some(), found, current);
+            let mut job = highlight::job(text, colors, &parameters, &|line| fault(line).is_some(), found, current);
             if wraps {
                 job.wrap = TextWrapping::wrap_at_width(width);
             }
@@ -89,9 +91,9 @@ pub(super) fn show(ui: &mut Ui, author: &mut Author, model: &Model, editor: &mut
         }
         let cursor = shown.cursor_range.filter(|range| range.is_empty()).map(|range| range.primary);
         let Some(cursor) = cursor else { return editor.completion.close() };
-        if shown.response.changed() || asked == Asked::List {
+        if shown.response.changed() || asked == CompletionKey::List {
             let end = author.text.char_indices().nth(cursor.index.into()).map_or(author.text.len(), |(at, _)| at);
-            editor.completion.offer(&author.text, end, model.library(), asked == Asked::List);
+            editor.completion.offer(&author.text, end, model.library(), asked == CompletionKey::List);
         }
         let below = shown.galley.pos_from_cursor(cursor).left_bottom() + shown.galley_pos.to_vec2();
         if let Some(word) = editor.completion.show(ui, below + vec2(0.0, 2.0))

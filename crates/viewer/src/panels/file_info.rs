@@ -1,51 +1,48 @@
 //! What the file of an object holds, as `info` says it: read on a thread of its own when it is looked at.
 
+use super::context::{Pass, prefix};
+use super::status_bar;
 use super::widgets::{button, named};
-use super::{Pass, figures, prefix};
+use crate::background::{Background, Notify};
 use egui::{Align2, Context, FontId, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
 use hypertexture::scene::Object;
 use hypertexture::shape::{Facts, Histogram};
-use std::sync::mpsc::{self, Receiver, TryRecvError};
-use std::thread;
+use std::sync::Arc;
+use std::task::Poll;
 
 /// Height of the histogram, points.
 const HEIGHT: f32 = 96.0;
 
 /// The facts of the file that was looked at last.
 #[derive(Default)]
-pub(super) struct Known {
+pub(super) struct FileInfo {
     input: (String, Option<String>),
-    reading: Option<Receiver<Result<Facts, String>>>,
+    reading: Option<Background<Result<Facts, String>>>,
     facts: Option<Result<Facts, String>>,
 }
 
-impl Known {
+impl FileInfo {
     /// What is known of a file by now.
     fn ask(&mut self, object: &Object, context: &Context) -> Option<&Result<Facts, String>> {
         let input = (object.input.clone(), object.grid.clone());
         if self.input != input || (self.facts.is_none() && self.reading.is_none()) {
-            let (sender, reading) = mpsc::channel();
-            *self = Known { input: input.clone(), reading: Some(reading), facts: None };
-            let ((input, grid), context) = (input, context.clone());
-            thread::spawn(move || {
-                // Nobody listens where another file is looked at by now.
-                let _ = sender.send(Facts::of(&input, grid.as_deref()).map_err(|error| error.to_string()));
-                context.request_repaint();
+            let (wake, (name, grid)) = (context.clone(), input.clone());
+            let notify: Notify = Arc::new(move || wake.request_repaint());
+            let reading = Background::start(&notify, move |task| {
+                task.send(Facts::of(&name, grid.as_deref()).map_err(|error| error.to_string()));
             });
+            *self = FileInfo { input, reading: Some(reading), facts: None };
         }
-        match self.reading.as_ref().map(Receiver::try_recv) {
-            None | Some(Err(TryRecvError::Empty)) => {}
-            Some(Ok(facts)) => (self.reading, self.facts) = (None, Some(facts)),
-            Some(Err(TryRecvError::Disconnected)) => {
-                (self.reading, self.facts) = (None, Some(Err("reading the file has failed".into())));
-            }
+        if let Some(Poll::Ready(facts)) = self.reading.as_ref().map(Background::poll) {
+            let facts = facts.unwrap_or_else(|| Err("reading the file has failed".into()));
+            (self.reading, self.facts) = (None, Some(facts));
         }
         self.facts.as_ref()
     }
 }
 
 /// The facts of an object, and what they propose.
-pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, known: &mut Known) {
+pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, known: &mut FileInfo) {
     let object = part.and_then(|part| pass.draft.parts.get(part)).map_or(&pass.draft.object, |part| &part.object);
     let (iso, is_distance) = (object.iso, object.distance);
     let facts = match known.ask(object, ui.ctx()) {
@@ -54,7 +51,7 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, known: 
         None => return drop(ui.weak("reading the file")),
     };
     let lines: Vec<_> = facts.lines.iter().map(|fact| [fact.name.into(), fact.words.clone()]).collect();
-    ui.push_id("facts", |ui| figures::made(ui, &lines));
+    ui.push_id("facts", |ui| status_bar::made(ui, &lines));
     let Some(histogram) = facts.histogram.as_ref().filter(|_| !is_distance) else { return };
     chart(ui, histogram, &facts.iso_values, iso, &format!("{}object.histogram", prefix(part)));
     ui.horizontal_wrapped(|ui| {

@@ -1,7 +1,7 @@
 //! The colors of GLSL.
 
-use super::FONT;
 use super::complete::BUILTINS;
+use super::field::FONT;
 use egui::Color32;
 use egui::text::{LayoutJob, TextFormat};
 use hypertexture::shader::declare::declaration;

@@ -1,6 +1,6 @@
 //! The status line below the picture, and what the picture was made with.
 
-use super::Status;
+use super::status::Status;
 use egui::{Align, Color32, Label, Layout, ProgressBar, RichText, Sense, Stroke, Ui, Vec2};
 
 /// Below this width the line says only what is on the screen and how good it is, points.

@@ -2,7 +2,7 @@
 
 /// Speed, and the part of time that is shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tempo {
+pub struct Playback {
     /// Seconds of the scene in a second.
     pub speed: f64,
     /// First and last time of the timeline, seconds.
@@ -11,13 +11,13 @@ pub struct Tempo {
     pub repeats: bool,
 }
 
-impl Default for Tempo {
-    fn default() -> Tempo {
-        Tempo { speed: 1.0, range: [0.0, 10.0], repeats: false }
+impl Default for Playback {
+    fn default() -> Playback {
+        Playback { speed: 1.0, range: [0.0, 10.0], repeats: false }
     }
 }
 
-impl Tempo {
+impl Playback {
     /// Draws the line out, by its own length, until a time is on it; a part that repeats stays as it is.
     pub fn reach(&mut self, time: f64) {
         let [from, to] = &mut self.range;
@@ -45,9 +45,9 @@ mod tests {
 
     #[test]
     fn time_runs_at_its_speed_and_begins_again_only_where_it_repeats() {
-        let once = Tempo { speed: 2.0, range: [1.0, 3.0], repeats: false };
+        let once = Playback { speed: 2.0, range: [1.0, 3.0], repeats: false };
         assert_eq!(once.after(2.5, 1.0), 4.5);
-        let again = Tempo { repeats: true, ..once };
+        let again = Playback { repeats: true, ..once };
         assert_eq!(again.after(2.5, 0.125), 2.75);
         assert_eq!(again.after(2.5, 1.0), 2.5);
         assert_eq!(again.after(0.0, 0.0), 2.0, "a time outside is brought in");
@@ -61,7 +61,7 @@ mod tests {
         let mut part = again;
         part.reach(9.0);
         assert_eq!(part, again);
-        let empty = Tempo { range: [1.0, 1.0], ..again };
+        let empty = Playback { range: [1.0, 1.0], ..again };
         assert_eq!(empty.after(2.0, 1.0), 4.0);
     }
 }

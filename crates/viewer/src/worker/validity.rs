@@ -1,8 +1,8 @@
 //! Which pixels on the screen are not to be trusted.
 
+use super::job::{Event, Job, Picture, Variant};
 use super::render_thread::RenderThread;
-use super::task::{leave_where, unless_stopped};
-use super::{Event, Job, Picture, Variant};
+use crate::background::{cancel_if, catch_cancellation};
 use crate::status::Stage;
 use egui::ColorImage;
 use hypertexture::render::{RenderError, Renderer, Subject};
@@ -62,8 +62,8 @@ impl RenderThread {
     /// The picture of a scene whose object has to be sampled first.
     fn of_another_object(&self, job: &Job, scene: &Scene) -> Result<Option<Vec<[f32; 4]>>, RenderError> {
         let library = &job.variants[0].library;
-        let progress = |_| leave_where(self.shared.is_stale(job.number));
-        let Some(subject) = unless_stopped(|| Subject::load(scene, library, &progress)) else { return Ok(None) };
+        let progress = |_| cancel_if(self.shared.is_stale(job.number));
+        let Some(subject) = catch_cancellation(|| Subject::load(scene, library, &progress)) else { return Ok(None) };
         self.pixels(job, scene, &mut Renderer::new(&self.gpu, library, &subject?))
     }
 }

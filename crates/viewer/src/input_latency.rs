@@ -1,4 +1,4 @@
-//! How fast the window answers the hand: what the step `orbit` of a script measures.
+//! How fast the window latency the hand: what the step `orbit` of a script measures.
 
 use std::fmt;
 use std::time::{Duration, Instant};
@@ -8,7 +8,7 @@ use support::watch;
 const PROMPT: Duration = Duration::from_millis(100);
 
 /// What the window does while a hand moves.
-pub(super) struct Answers {
+pub(super) struct InputLatency {
     began: Instant,
     processor: Option<Duration>,
     moves: Vec<Move>,
@@ -27,11 +27,11 @@ struct Move {
     answered: Option<Duration>,
 }
 
-impl Answers {
+impl InputLatency {
     /// Begins to measure; the picture of job `on_screen` is seen.
-    pub(super) fn new(now: Instant, on_screen: u64) -> Answers {
+    pub(super) fn new(now: Instant, on_screen: u64) -> InputLatency {
         let processor = watch::own_processor_time();
-        Answers { began: now, processor, moves: Vec::new(), pictures: Vec::new(), on_screen }
+        InputLatency { began: now, processor, moves: Vec::new(), pictures: Vec::new(), on_screen }
     }
 
     /// The hand has moved.
@@ -40,7 +40,7 @@ impl Answers {
     }
 
     /// Every move so far is in the job of this number, or in one before.
-    pub(super) fn posted(&mut self, number: u64) {
+    pub(super) fn submitted(&mut self, number: u64) {
         for own in &mut self.moves {
             own.job.get_or_insert(number);
         }
@@ -71,7 +71,7 @@ impl Answers {
     }
 }
 
-impl fmt::Display for Answers {
+impl fmt::Display for InputLatency {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let ms =
             |time: Option<Duration>| time.map_or("none".into(), |time| format!("{:.0} ms", time.as_secs_f64() * 1e3));
@@ -80,7 +80,7 @@ impl fmt::Display for Answers {
             all.sort_unstable();
             all
         };
-        let (answers, frames) = (sorted(|own| own.answered), sorted(|own| own.drawn));
+        let (latency, frames) = (sorted(|own| own.answered), sorted(|own| own.drawn));
         let at = |all: &[Duration], part: f64| {
             let place = (part * all.len() as f64) as usize;
             all.get(place.min(all.len().saturating_sub(1))).copied().filter(|time| *time < Duration::MAX)
@@ -96,9 +96,9 @@ impl fmt::Display for Answers {
             100.0 * self.prompt(),
             ms(Some(PROMPT)),
             ms(self.moves.first().and_then(|own| own.answered)),
-            ms(at(&answers, 0.5)),
-            ms(at(&answers, 0.95)),
-            ms(answers.last().copied().filter(|time| *time < Duration::MAX)),
+            ms(at(&latency, 0.5)),
+            ms(at(&latency, 0.95)),
+            ms(latency.last().copied().filter(|time| *time < Duration::MAX)),
             ms(at(&frames, 0.5)),
             ms(at(&frames, 0.95)),
         )?;
@@ -128,18 +128,18 @@ mod tests {
     fn a_move_is_answered_by_the_first_picture_of_it() {
         let start = Instant::now();
         let at = |ms: u64| start + Duration::from_millis(ms);
-        let mut answers = Answers::new(start, 4);
-        answers.moved(at(0));
-        answers.posted(5);
-        answers.drawn(at(10), 4, [8, 8], 32); // the job of the move is posted, the picture is the one before
-        answers.moved(at(50));
-        answers.posted(6);
-        answers.drawn(at(60), 5, [8, 8], 32);
-        assert!(!answers.is_complete());
-        answers.drawn(at(250), 6, [8, 8], 32);
-        assert!(answers.is_complete());
-        assert_eq!(answers.prompt(), 0.5);
-        let line = answers.to_string();
+        let mut latency = InputLatency::new(start, 4);
+        latency.moved(at(0));
+        latency.submitted(5);
+        latency.drawn(at(10), 4, [8, 8], 32); // the job of the move is posted, the picture is the one before
+        latency.moved(at(50));
+        latency.submitted(6);
+        latency.drawn(at(60), 5, [8, 8], 32);
+        assert!(!latency.is_complete());
+        latency.drawn(at(250), 6, [8, 8], 32);
+        assert!(latency.is_complete());
+        assert_eq!(latency.prompt(), 0.5);
+        let line = latency.to_string();
         assert!(line.starts_with("2 moves: 50 % answered within 100 ms; first 60 ms, median 200 ms"), "{line}");
         assert!(
             line.contains("8.0 pictures a second, longest gap 190 ms") && line.ends_with("8 x 8 with 32 samples"),

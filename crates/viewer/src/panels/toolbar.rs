@@ -1,7 +1,8 @@
 //! History, files, and what the window is asked for.
 
+use super::context::{Act, Pass};
+use super::request::Request;
 use super::widgets::{button, named};
-use super::{Act, Pass, Request};
 use crate::keys;
 use egui::{Button, Key, KeyboardShortcut, Modifiers, RichText, TextEdit, Ui};
 use std::path::PathBuf;

@@ -1,7 +1,8 @@
 //! What is asked before something would be lost, and which file is meant.
 
+use super::context::Act;
+use super::request::Request;
 use super::widgets::button;
-use super::{Act, Request};
 use crate::model::Model;
 use crate::unsaved;
 use egui::{Id, Modal, RichText, Ui};
@@ -28,7 +29,7 @@ pub enum Question {
 
 /// What is asked, and the files that there are to be opened.
 #[derive(Default)]
-pub(super) struct Asked {
+pub(super) struct Dialogs {
     pub(super) question: Option<Question>,
     dialog: FileDialog,
     /// Folders of what was not saved by windows before this one, the newest first.
@@ -43,7 +44,7 @@ pub(super) struct Asked {
     pictures: BTreeSet<PathBuf>,
 }
 
-impl Asked {
+impl Dialogs {
     /// Takes over what windows before this one have kept, and the files that they have opened, which `folder` lists.
     pub(super) fn remember(&mut self, kept: Vec<PathBuf>, folder: Option<PathBuf>) {
         self.kept = kept;

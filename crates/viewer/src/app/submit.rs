@@ -1,24 +1,31 @@
 //! The scene as it is now, for the thread that renders.
 
-use super::{App, FRAME, GOOD, REST};
+use super::state::App;
 use crate::worker::{Job, Variant, sight};
 use egui::Ui;
 use hypertexture::scene::Scene;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+/// Error target without `--max-error`: half a step of 8 bits in the mid tones.
+pub(super) const GOOD: f64 = 1e-3;
+/// A scene rests if it has not changed for this long.
+const REST: Duration = Duration::from_millis(200);
+/// Interval between frames of a moving scene.
+const FRAME: Duration = Duration::from_millis(16);
+
 impl App {
     /// The scene at the time it is.
     pub(super) fn shown(&self) -> Scene {
         let mut scene = self.model.scene().clone();
-        if let Some(clock) = self.clock {
+        if let Some(clock) = self.time.clock {
             scene.camera.time = clock;
         }
         scene
     }
 
     /// Gives the thread that renders what is to be seen now, if that is something new.
-    pub(super) fn post(&mut self, ui: &Ui, now: Instant) {
+    pub(super) fn submit(&mut self, ui: &Ui, now: Instant) {
         if *self.library != *self.model.library() {
             self.library = Arc::new(self.model.library().clone());
         }
@@ -26,20 +33,21 @@ impl App {
         let pane = self.place.size() * points;
         let size = [pane.x, pane.y].map(|side| (side.round() as u32).clamp(16, 8192));
         let mut scenes = vec![(self.shown(), self.library.clone())];
-        if let Some((kept, library)) = &self.kept {
+        if let Some((kept, library)) = &self.comparison.pinned {
             scenes.push((Scene { camera: scenes[0].0.camera.clone(), ..kept.clone() }, library.clone()));
         }
-        let notify = self.notify.clone();
-        let (mut variants, lacked, mut lacks) = (Vec::new(), self.lacks_object, false);
+        let (mut variants, lacked, mut lacks) = (Vec::new(), self.jobs.lacks_object, false);
         for (mut scene, library) in scenes {
             scene.image.size = size;
             // The object is the same wherever it is looked at from.
-            let before = self.posted.as_ref().filter(|_| !lacked).and_then(|job| job.variants.get(variants.len()));
-            let before = before.filter(|own| Arc::ptr_eq(&own.library, &library) && is_seen_again(&own.scene, &scene));
+            let before =
+                self.jobs.submitted.as_ref().filter(|_| !lacked).and_then(|job| job.variants.get(variants.len()));
+            let before =
+                before.filter(|own| Arc::ptr_eq(&own.library, &library) && differs_in_camera_only(&own.scene, &scene));
             let subject = match before {
                 Some(before) => Ok(Some(before.subject.clone())),
                 // One after the other: what is loaded for the second takes the place of what is loaded for the first.
-                None => self.loader.subject(&scene, &library, !lacks, &move_clone(&notify)),
+                None => self.loader.subject(&scene, &library, !lacks, &self.notify),
             };
             match subject {
                 Ok(Some(subject)) => variants.push(Variant { scene, library, subject }),
@@ -54,52 +62,52 @@ impl App {
         if self.loader.progress().is_some() {
             ui.ctx().request_repaint_after(Duration::from_millis(50));
         }
-        let expected = 1 + usize::from(self.kept.is_some());
-        self.lacks_object = lacks || variants.len() < expected;
+        let expected = 1 + usize::from(self.comparison.pinned.is_some());
+        self.jobs.lacks_object = lacks || variants.len() < expected;
         if variants.len() < expected {
             return;
         }
         let same = |job: &Job| {
             job.variants.len() == variants.len()
-                && job.variants.iter().zip(&variants).all(|(a, b)| a.scene == b.scene && a.is_made_as(b))
+                && job.variants.iter().zip(&variants).all(|(a, b)| a.scene == b.scene && a.has_same_program(b))
         };
-        let changed = !self.posted.as_ref().is_some_and(same);
+        let changed = !self.jobs.submitted.as_ref().is_some_and(same);
         if changed {
-            self.sight = sight(&variants[0]).ok();
+            self.jobs.current_view = sight(&variants[0]).ok();
         }
-        if changed && self.posted.is_some() {
-            self.changed = now;
-            if self.figures.picking.is_some() && self.clock.is_none() {
+        if changed && self.jobs.submitted.is_some() {
+            self.jobs.changed = now;
+            if self.figures.picking.is_some() && self.time.clock.is_none() {
                 // Input comes first: what is looked for is looked for again once the scene rests.
                 self.stop();
-                self.pick = self.max_error;
+                self.tasks.pick = self.max_error;
             }
         }
-        let busy = self.dragging || self.clock.is_some() || self.glide.is_some();
+        let busy = self.navigation.dragging || self.time.clock.is_some() || self.navigation.glide.is_some();
         // What stands in for an object is shown in previews alone.
-        let moving = busy || lacks || now.duration_since(self.changed) < REST;
+        let moving = busy || lacks || now.duration_since(self.jobs.changed) < REST;
         let max_error = self.max_error.unwrap_or(GOOD);
         let validity = self.validity;
         let asks_the_same = |job: &Job| (job.max_error.to_bits(), job.validity) == (max_error.to_bits(), validity);
-        let is_other = changed || !self.posted.as_ref().is_some_and(asks_the_same);
-        if is_other || self.posted.as_ref().is_some_and(|job| job.moving != moving) {
-            self.number += 1;
+        let is_other = changed || !self.jobs.submitted.as_ref().is_some_and(asks_the_same);
+        if is_other || self.jobs.submitted.as_ref().is_some_and(|job| job.moving != moving) {
+            self.jobs.number += 1;
             if is_other {
-                self.since = self.number;
+                self.jobs.since = self.jobs.number;
             }
-            let (number, focus) = (self.number, self.focus());
+            let (number, focus) = (self.jobs.number, self.focus());
             let job = Job { number, variants, moving, max_error, focus, validity };
             if let Some(worker) = &self.worker {
                 worker.show(job.clone());
             }
-            self.posted = Some(job);
+            self.jobs.submitted = Some(job);
         }
-        self.unread.moves(moving || !self.is_current());
-        if let (false, Some(job)) = (moving, &self.posted) {
-            self.unread.want(job, move || notify());
+        self.unused_settings.pause(moving || !self.is_current());
+        if let (false, Some(job)) = (moving, &self.jobs.submitted) {
+            self.unused_settings.request(job, &self.notify);
         }
         // What the hand moves is drawn when it moves.
-        if self.clock.is_some() || self.glide.is_some() {
+        if self.time.clock.is_some() || self.navigation.glide.is_some() {
             ui.ctx().request_repaint_after(FRAME);
         } else if moving {
             ui.ctx().request_repaint_after(REST);
@@ -109,26 +117,21 @@ impl App {
     /// Where one looks, in parts of the picture: at the pointer, or in the middle.
     fn focus(&self) -> [f32; 2] {
         let part = |at: egui::Pos2| (at - self.place.min) / self.place.size();
-        self.pointer.filter(|at| self.place.contains(*at)).map_or([0.5; 2], |at| part(at).into())
+        self.navigation.pointer.filter(|at| self.place.contains(*at)).map_or([0.5; 2], |at| part(at).into())
     }
 }
 
 /// Whether two scenes differ in the camera and the size of the picture alone.
-fn is_seen_again(before: &Scene, now: &Scene) -> bool {
+fn differs_in_camera_only(before: &Scene, now: &Scene) -> bool {
     let mut seen = Scene { camera: now.camera.clone(), ..before.clone() };
     seen.image.size = now.image.size;
     seen == *now
 }
 
-/// A function that calls this one.
-pub(super) fn move_clone(notify: &super::Notify) -> impl Fn() + Clone + Send + 'static + use<> {
-    let notify = notify.clone();
-    move || notify()
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::{HOLD, Start};
+    use super::super::Start;
+    use super::super::frame::HOLD;
     use super::*;
     use crate::status::Stage;
     use hypertexture::gpu::Options;
@@ -153,21 +156,21 @@ mod tests {
         let variants = vec![Variant { scene, library, subject }];
         let job = Job { number: 2, variants, moving: true, max_error: 1e-3, focus: [0.5; 2], validity: false };
         let now = Instant::now();
-        (app.number, app.on_screen, app.posted) = (2, 1, Some(job));
+        (app.jobs.number, app.jobs.on_screen, app.jobs.submitted) = (2, 1, Some(job));
         (app.figures.stage, app.figures.is_cpu) = (Stage::Coarse, true);
         assert_eq!(app.hold(now), Some(HOLD));
         assert!(app.hold(now + HOLD / 2).is_some());
         assert_eq!(app.hold(now + HOLD), None, "the old picture is moved");
         // Not where it is there, nor where the scene rests, nor on a device that draws both at once.
         let cases: [fn(&mut App); 4] = [
-            |app| app.fresh = true,
-            |app| app.on_screen = 2,
-            |app| app.posted.iter_mut().for_each(|job| job.moving = false),
+            |app| app.jobs.fresh = true,
+            |app| app.jobs.on_screen = 2,
+            |app| app.jobs.submitted.iter_mut().for_each(|job| job.moving = false),
             |app| app.figures.is_cpu = false,
         ];
         for change in cases {
-            (app.fresh, app.on_screen, app.figures.is_cpu, app.held) = (false, 1, true, None);
-            app.posted.iter_mut().for_each(|job| job.moving = true);
+            (app.jobs.fresh, app.jobs.on_screen, app.figures.is_cpu, app.jobs.waiting_since) = (false, 1, true, None);
+            app.jobs.submitted.iter_mut().for_each(|job| job.moving = true);
             assert!(app.hold(now).is_some());
             change(&mut app);
             assert_eq!(app.hold(now), None);
@@ -178,11 +181,11 @@ mod tests {
     fn a_picture_of_what_was_there_is_none_of_a_scene_whose_object_is_being_loaded() {
         let mut app = app();
         assert!(!app.is_current());
-        (app.number, app.on_screen, app.since) = (1, 1, 1);
+        (app.jobs.number, app.jobs.on_screen, app.jobs.since) = (1, 1, 1);
         assert!(app.is_current());
-        egui::__run_test_ui(|ui| app.post(ui, Instant::now()));
+        egui::__run_test_ui(|ui| app.submit(ui, Instant::now()));
         assert!(app.loading().is_some() && !app.is_current());
-        app.on_screen = 2;
+        app.jobs.on_screen = 2;
         assert!(!app.is_current(), "it gets better still");
     }
 
@@ -195,18 +198,18 @@ mod tests {
         });
         let context = egui::Context::default();
         let mut post = |app: &mut App| {
-            let output = context.run_ui(egui::RawInput::default(), |ui| app.post(ui, Instant::now()));
+            let output = context.run_ui(egui::RawInput::default(), |ui| app.submit(ui, Instant::now()));
             output.drop_without_applying_deltas();
-            app.posted.clone()
+            app.jobs.submitted.clone()
         };
         let wait = |app: &mut App, post: &mut dyn FnMut(&mut App) -> Option<Job>| {
             let began = Instant::now();
-            while post(app).is_none() || app.lacks_object {
+            while post(app).is_none() || app.jobs.lacks_object {
                 assert!(began.elapsed() < Duration::from_secs(1800)); // a test that fails ends
                 app.loader.poll().unwrap();
                 std::thread::sleep(Duration::from_millis(5));
             }
-            app.posted.clone().unwrap()
+            app.jobs.submitted.clone().unwrap()
         };
         let short = wait(&mut app, &mut post);
         let length = app.model.parameters(None).outer()[0].clone();
@@ -214,7 +217,7 @@ mod tests {
             scene.parameters.insert(length, ParameterValue::Number(0.8));
         });
         let preview = post(&mut app).unwrap();
-        assert!(preview.number > short.number && preview.moving && app.lacks_object && !app.is_current());
+        assert!(preview.number > short.number && preview.moving && app.jobs.lacks_object && !app.is_current());
         assert!(Arc::ptr_eq(&preview.variants[0].subject, &short.variants[0].subject));
         app.model.edit("material.specular", |scene| scene.material.specular = 0.125);
         let next = post(&mut app).unwrap();
@@ -230,12 +233,12 @@ mod tests {
         let before = preset("fur").unwrap();
         let mut now = before.clone();
         (now.camera.azimuth, now.camera.time, now.image.size) = (50.0, 2.0, [9, 7]);
-        assert!(is_seen_again(&before, &now));
+        assert!(differs_in_camera_only(&before, &now));
         let changes: [fn(&mut Scene); 2] = [|scene| scene.object.resolution += 1, |scene| scene.light.shadows ^= true];
         for change in changes {
             let mut other = now.clone();
             change(&mut other);
-            assert!(!is_seen_again(&before, &other));
+            assert!(!differs_in_camera_only(&before, &other));
         }
     }
 
@@ -244,17 +247,17 @@ mod tests {
         let mut app = app();
         app.model.edit("object.input", |scene| scene.object.input = "cube".into());
         let before = app.library.clone();
-        app.kept = Some((app.model.scene().clone(), before.clone()));
+        app.comparison.pinned = Some((app.model.scene().clone(), before.clone()));
         let text = "float another(float d, Sample s) { return d; }\n";
         app.model.set_library(shipped().with_module("dmf", "another", text)).unwrap();
         let began = Instant::now();
-        while app.posted.is_none() {
+        while app.jobs.submitted.is_none() {
             assert!(began.elapsed() < Duration::from_secs(600)); // a test that fails ends
             app.loader.poll().unwrap();
-            drop(egui::Context::default().run_ui(egui::RawInput::default(), |ui| app.post(ui, Instant::now())));
+            drop(egui::Context::default().run_ui(egui::RawInput::default(), |ui| app.submit(ui, Instant::now())));
             std::thread::sleep(Duration::from_millis(5));
         }
-        let [now, kept] = &app.posted.as_ref().unwrap().variants[..] else { panic!("two variants") };
+        let [now, kept] = &app.jobs.submitted.as_ref().unwrap().variants[..] else { panic!("two variants") };
         assert!(Arc::ptr_eq(&now.library, &app.library) && Arc::ptr_eq(&kept.library, &before));
     }
 }

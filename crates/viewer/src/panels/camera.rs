@@ -1,8 +1,10 @@
 //! Light, background, the camera, and the picture.
 
 use super::bookmarks::{Bookmarks, looking};
+use super::context::Pass;
+use super::request::Request;
+use super::settings;
 use super::widgets::{button, named};
-use super::{Pass, Request, settings};
 use crate::trackball::level_angles;
 use egui::{Button, Ui};
 use hypertexture::scene::Camera;

@@ -1,7 +1,7 @@
 //! What a variant is drawn with.
 
-use super::Variant;
-use super::aside::Aside;
+use super::background_renderer::BackgroundRenderer;
+use super::job::Variant;
 use crate::progressive::{Level, PREVIEW_BLOCK};
 use hypertexture::gpu::Gpu;
 use hypertexture::render::variant::{Variant as Program, VariantError};
@@ -14,33 +14,33 @@ use hypertexture::shader::Library;
 const KEPT: usize = 2;
 
 /// What a variant is drawn with: each renderer keeps what it has made.
-pub(super) struct Easel {
+pub(super) struct VariantRenderers {
     /// Draws previews and the scene's own picture.
     pub(super) own: Renderer,
     /// Draws the pictures of which the converged one is the mean.
-    pub(super) mean: Aside,
+    pub(super) mean: BackgroundRenderer,
     /// Tries the other pass, while it is tried.
-    pub(super) trial: Option<Aside>,
-    /// The pass that draws previews sooner, where that was measured, and the scene's own.
-    pub(super) sooner: Option<[Pass; 2]>,
+    pub(super) trial: Option<BackgroundRenderer>,
+    /// The pass that draws previews faster, where that was measured, and the scene's own.
+    pub(super) faster: Option<[Pass; 2]>,
 }
 
-impl Easel {
-    pub(super) fn new(gpu: &Gpu, variant: &Variant) -> Easel {
+impl VariantRenderers {
+    pub(super) fn new(gpu: &Gpu, variant: &Variant) -> VariantRenderers {
         let renderer = || Renderer::new(gpu, &variant.library, &variant.subject);
         let mut own = renderer();
         own.keep(KEPT);
-        Easel { own, mean: Aside::new(renderer()), trial: None, sooner: None }
+        VariantRenderers { own, mean: BackgroundRenderer::new(renderer()), trial: None, faster: None }
     }
 
-    /// The preview of a scene, by the pass that draws it sooner.
+    /// The preview of a scene, by the pass that draws it faster.
     pub(super) fn preview(&self, scene: &Scene, level: Level) -> Scene {
         let has_blocks = scene.quality.block_size <= PREVIEW_BLOCK || self.own.is_prepared(scene);
         let mut preview = level.scene(scene, has_blocks);
-        if let Some([sooner, own]) = self.sooner
+        if let Some([faster, own]) = self.faster
             && own == scene.quality.pass
         {
-            preview.quality.pass = sooner;
+            preview.quality.pass = faster;
         }
         preview
     }
@@ -52,7 +52,7 @@ pub(crate) fn sight(variant: &Variant) -> Result<Sight, VariantError> {
 }
 
 /// A scene drawn by the other pass, where that can be.
-pub(super) fn by_the_other_pass(scene: &Scene, library: &Library) -> Option<Scene> {
+pub(super) fn with_other_pass(scene: &Scene, library: &Library) -> Option<Scene> {
     let mut other = scene.clone();
     other.quality.pass = match scene.quality.pass {
         Pass::Slices => Pass::March,

@@ -1,6 +1,7 @@
 //! The window about a pixel, and the mark at it.
 
-use super::{Answers, Exact, Inspector, Kept};
+use super::inspector::{Inspector, Pictures};
+use super::search::{Exact, PixelReport};
 use crate::panels::widgets::{button, named};
 use egui::{
     Align2, Color32, DragValue, FontId, Grid, Id, Label, Pos2, Rect, RichText, Sense, Shape, Stroke, StrokeKind, Ui,
@@ -43,7 +44,7 @@ impl Inspector {
             });
             self.values(ui, next);
             self.ray(ui);
-            modules(ui, &self.answers);
+            modules(ui, &self.report);
         });
         match open {
             true => self.look_at(Some(next)),
@@ -53,13 +54,13 @@ impl Inspector {
 
     /// What the pixel is, on the screen and in f64.
     fn values(&mut self, ui: &mut Ui, pixel: [u32; 2]) {
-        let Kept { size, own, mean, other } = &self.kept;
-        let of = |frame: &super::Frame| -> Option<[f64; 4]> {
+        let Pictures { size, own, mean, other } = &self.pictures;
+        let of = |frame: &crate::screen::Frame| -> Option<[f64; 4]> {
             let at = pixel[1] as usize * size[0] as usize + pixel[0] as usize;
             frame.get(at).map(|value| value.map(f64::from))
         };
         let own = own.as_ref().and_then(of);
-        let exact = self.answers.exact.as_ref().and_then(|exact| exact.as_ref().ok());
+        let exact = self.report.exact.as_ref().and_then(|exact| exact.as_ref().ok());
         Grid::new("pixel.values").num_columns(5).spacing([10.0, 3.0]).show(ui, |ui| {
             ui.label("");
             CHANNELS.iter().for_each(|channel| drop(ui.label(RichText::new(*channel).weak())));
@@ -69,7 +70,7 @@ impl Inspector {
                 row(ui, &format!("mean of {count}"), "Filtered over the pixel, as it converges.", of(frame));
             }
             if let Some(frame) = other {
-                row(ui, "kept", "That of the variant it is compared with.", of(frame));
+                row(ui, "pictures", "That of the variant it is compared with.", of(frame));
             }
             row(
                 ui,
@@ -80,7 +81,7 @@ impl Inspector {
             let error = own.zip(exact).map(|(own, exact)| [0, 1, 2, 3].map(|c| own[c] - exact.value[c]));
             row(ui, "error", "Value less reference.", error);
         });
-        match &self.answers.exact {
+        match &self.report.exact {
             Some(Ok(Exact { error, open, .. })) => {
                 let overlooked = match *open <= UNSEEN {
                     true => "nothing overlooked".into(),
@@ -89,7 +90,7 @@ impl Inspector {
                 ui.label(RichText::new(format!("reference to ±{error:.0e}, {overlooked}")).weak());
             }
             Some(Err(reason)) => drop(ui.add(Label::new(RichText::new(reason).weak()).wrap())),
-            None if self.answers.done => drop(ui.label(RichText::new("reference: given up").weak())),
+            None if self.report.done => drop(ui.label(RichText::new("reference: given up").weak())),
             None => drop(ui.horizontal(|ui| {
                 ui.spinner();
                 ui.label("reference in f64");
@@ -97,7 +98,7 @@ impl Inspector {
                     && let Some(search) = &self.search
                 {
                     search.cancel();
-                    self.answers.done = true;
+                    self.report.done = true;
                 }
             })),
         }
@@ -105,7 +106,7 @@ impl Inspector {
 
     /// The density along the ray.
     fn ray(&self, ui: &mut Ui) {
-        match &self.answers.ray {
+        match &self.report.ray {
             Some(Ok(ray)) if ray.is_empty() => drop(ui.label("the ray passes beside the object")),
             Some(Ok(ray)) => {
                 plot(ui, ray);
@@ -129,21 +130,21 @@ fn row(ui: &mut Ui, name: &str, doc: &str, value: Option<[f64; 4]>) {
 }
 
 /// The modules that the pixel was made with; of a ray that meets nothing, none.
-fn modules(ui: &mut Ui, answers: &Answers) {
+fn modules(ui: &mut Ui, report: &PixelReport) {
     let meets = |ray: &Vec<Along>| ray.iter().any(|at| at.density > 0.0);
-    if matches!(&answers.ray, Some(Ok(ray)) if !meets(ray)) {
+    if matches!(&report.ray, Some(Ok(ray)) if !meets(ray)) {
         ui.label("no matter on the ray: no module made this pixel");
         return;
     }
     ui.label(RichText::new("made by").weak());
     Grid::new("pixel.modules").num_columns(2).spacing([10.0, 2.0]).show(ui, |ui| {
-        for [slot, names] in &answers.modules {
+        for [slot, names] in &report.modules {
             ui.label(slot);
             ui.label(RichText::new(names).monospace());
             ui.end_row();
         }
     });
-    for (name, by) in &answers.shares {
+    for (name, by) in &report.shares {
         let doc =
             "How far the pixel of the scene without it is from this one, in f64: the largest difference of a channel.";
         ui.label(format!("without {name}: {by:.3} off")).on_hover_text(doc);

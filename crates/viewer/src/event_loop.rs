@@ -1,7 +1,8 @@
 //! The window itself: what the window system says, and when a frame is drawn.
 
 use super::ViewError;
-use super::app::{App, Notify, Start};
+use super::app::{App, Start};
+use super::background::Notify;
 use super::display::{Display, Guard, fitted};
 use super::fonts::Fallback;
 use super::input::passes;
@@ -61,8 +62,8 @@ pub fn run(start: Start) -> Result<(), ViewError> {
     let proxy = event_loop.create_proxy();
     // A loop that has ended needs no waking.
     let notify: Notify = Arc::new(move || drop(proxy.send_event(Wake)));
-    let told_to_end = Arc::new(AtomicBool::new(false));
-    let (told, wake) = (told_to_end.clone(), notify.clone());
+    let interrupted = Arc::new(AtomicBool::new(false));
+    let (told, wake) = (interrupted.clone(), notify.clone());
     // What is not saved is kept; the second signal ends the program at once.
     let handled = ctrlc::set_handler(move || match told.swap(true, Ordering::Relaxed) {
         true => std::process::exit(INTERRUPTED),
@@ -73,14 +74,14 @@ pub fn run(start: Start) -> Result<(), ViewError> {
     }
     let app = App::new(&start, notify.clone())?;
     let (messages, outcome) = {
-        let mut host = Host {
+        let mut handler = EventHandler {
             start,
             app,
             script,
-            live: None,
+            state: None,
             outcome: Ok(()),
             messages: Vec::new(),
-            revived: false,
+            reopened: false,
             display,
             latest,
             notify,
@@ -89,25 +90,25 @@ pub fn run(start: Start) -> Result<(), ViewError> {
             hidden: false,
             shown: 0,
             waiting: true,
-            told_to_end,
+            interrupted,
             ending: None,
         };
-        let ran = event_loop.run_app(&mut host).map_err(|error| ViewError::Window(error.to_string()));
-        if ran.is_err() || host.outcome.is_err() {
+        let ran = event_loop.run_app(&mut handler).map_err(|error| ViewError::Window(error.to_string()));
+        if ran.is_err() || handler.outcome.is_err() {
             guard.end_if_gone();
         }
-        if host.script.is_none() || host.told_to_end.load(Ordering::Relaxed) {
+        if handler.script.is_none() || handler.interrupted.load(Ordering::Relaxed) {
             let latest = Latest::default();
-            host.app.note_unsaved(&latest);
+            handler.app.note_unsaved(&latest);
             if let Some(folder) = latest.keep() {
                 let _ = writeln!(io::stdout(), "what was not saved is in {}", folder.display());
             }
         }
-        if let (Some(ending), Some(_)) = (host.ending, &host.script) {
-            drop(host.live.take());
+        if let (Some(ending), Some(_)) = (handler.ending, &handler.script) {
+            drop(handler.state.take());
             let _ = writeln!(io::stdout(), "closed after {:.2} s", ending.elapsed().as_secs_f64());
         }
-        (host.messages, ran.and(host.outcome))
+        (handler.messages, ran.and(handler.outcome))
     };
     outcome?;
     let said: Vec<String> = messages.iter().flat_map(Messages::take).collect();
@@ -117,16 +118,16 @@ pub fn run(start: Start) -> Result<(), ViewError> {
     }
 }
 
-struct Host {
+struct EventHandler {
     start: Start,
     app: App,
     script: Option<Script>,
-    live: Option<Live>,
+    state: Option<WindowState>,
     outcome: Result<(), ViewError>,
     /// What the validation layer says, of every device that was opened.
     messages: Vec<Messages>,
     /// Whether a lost device has been replaced: once is an accident.
-    revived: bool,
+    reopened: bool,
     display: Arc<Display>,
     latest: Latest,
     notify: Notify,
@@ -140,13 +141,13 @@ struct Host {
     /// Whether the first picture is yet to come.
     waiting: bool,
     /// Whether a signal has asked the program to end.
-    told_to_end: Arc<AtomicBool>,
+    interrupted: Arc<AtomicBool>,
     /// Since when it ends.
     ending: Option<Instant>,
 }
 
 /// What there is while there is a window.
-struct Live {
+struct WindowState {
     // The canvas before the window: its surface is one of it.
     canvas: Canvas,
     context: Context,
@@ -160,8 +161,8 @@ struct Live {
     title: String,
 }
 
-impl Live {
-    fn new(start: &Start, window: Arc<Window>, notify: Notify, reads_names: bool) -> Result<Live, ViewError> {
+impl WindowState {
+    fn new(start: &Start, window: Arc<Window>, notify: Notify, reads_names: bool) -> Result<WindowState, ViewError> {
         let canvas = Canvas::open(&start.options, window.clone())?;
         let context = Context::default();
         if reads_names {
@@ -169,7 +170,7 @@ impl Live {
         }
         let (scale, side) = (Some(window.scale_factor() as f32), canvas.gpu().info().max_image as usize);
         let input = egui_winit::State::new(context.clone(), ViewportId::ROOT, &window, scale, None, Some(side));
-        Ok(Live {
+        Ok(WindowState {
             canvas,
             context,
             fonts: Fallback::new(notify),
@@ -183,9 +184,9 @@ impl Live {
     }
 }
 
-impl ApplicationHandler<Wake> for Host {
+impl ApplicationHandler<Wake> for EventHandler {
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
-        if self.live.is_some() {
+        if self.state.is_some() {
             return;
         }
         let [width, height] = fitted(event_loop, self.start.window);
@@ -197,40 +198,40 @@ impl ApplicationHandler<Wake> for Host {
             .create_window(attributes)
             .map_err(|error| ViewError::Window(error.to_string()))
             .and_then(|window| self.open(Arc::new(window)));
-        self.end_on_error(event_loop, opened);
+        self.exit_on_error(event_loop, opened);
     }
 
     fn new_events(&mut self, _: &ActiveEventLoop, cause: StartCause) {
         if matches!(cause, StartCause::ResumeTimeReached { .. }) {
-            self.ask_for_frame();
+            self.request_frame();
         }
     }
 
     fn user_event(&mut self, _: &ActiveEventLoop, Wake: Wake) {
-        self.ask_for_frame();
+        self.request_frame();
     }
 
     fn window_event(&mut self, event_loop: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
-        let Some(live) = &mut self.live else { return };
+        let Some(state) = &mut self.state else { return };
         match &event {
             WindowEvent::CloseRequested => {
                 self.app.ask_to_quit();
                 // A question is to be seen.
-                live.window.set_minimized(false);
-                return self.ask_for_frame();
+                state.window.set_minimized(false);
+                return self.request_frame();
             }
             WindowEvent::RedrawRequested => {
                 let drawn = self.frame(event_loop);
-                return self.end_on_error(event_loop, drawn);
+                return self.exit_on_error(event_loop, drawn);
             }
             WindowEvent::Occluded(occluded) => {
                 self.occluded = *occluded;
-                return self.ask_for_frame();
+                return self.request_frame();
             }
             _ => {}
         }
-        if live.input.on_window_event(&live.window, &event).repaint {
-            self.ask_for_frame();
+        if state.input.on_window_event(&state.window, &event).repaint {
+            self.request_frame();
         }
     }
 
@@ -240,44 +241,45 @@ impl ApplicationHandler<Wake> for Host {
     }
 
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
-        if self.app.quit || self.told_to_end.load(Ordering::Relaxed) {
+        if self.app.quit || self.interrupted.load(Ordering::Relaxed) {
             // Nobody looks on while a program that is being compiled is waited for.
-            self.live.iter().for_each(|live| live.window.set_visible(false));
+            self.state.iter().for_each(|state| state.window.set_visible(false));
             self.ending.get_or_insert_with(Instant::now);
             event_loop.exit();
         }
     }
 }
 
-impl Host {
+impl EventHandler {
     fn open(&mut self, window: Arc<Window>) -> Result<(), ViewError> {
-        let live = Live::new(&self.start, window, self.notify.clone(), self.script.is_some()).map_err(|error| {
-            match self.display.depth() {
-                Some(depth) if matches!(error, ViewError::Gpu(GpuError::NoPresent)) && !DEPTHS.contains(&depth) => {
-                    ViewError::Depth { display: self.display.name(), depth }
+        let state =
+            WindowState::new(&self.start, window, self.notify.clone(), self.script.is_some()).map_err(|error| {
+                match self.display.depth() {
+                    Some(depth) if matches!(error, ViewError::Gpu(GpuError::NoPresent)) && !DEPTHS.contains(&depth) => {
+                        ViewError::Depth { display: self.display.name(), depth }
+                    }
+                    _ => error,
                 }
-                _ => error,
-            }
-        })?;
-        self.messages.push(live.canvas.gpu().messages());
-        self.app.use_device(live.canvas.gpu());
-        live.window.request_redraw();
-        self.live = Some(live);
+            })?;
+        self.messages.push(state.canvas.gpu().messages());
+        self.app.use_device(state.canvas.gpu());
+        state.window.request_redraw();
+        self.state = Some(state);
         Ok(())
     }
 
     /// Lets go of everything that is on the device; gives the window.
     fn close(&mut self) -> Option<Arc<Window>> {
         self.app.leave_device();
-        self.live.take().map(|live| live.window)
+        self.state.take().map(|state| state.window)
     }
 
-    fn end_on_error(&mut self, event_loop: &ActiveEventLoop, done: Result<(), ViewError>) {
+    fn exit_on_error(&mut self, event_loop: &ActiveEventLoop, done: Result<(), ViewError>) {
         let lost = match &done {
             Err(ViewError::Gpu(error)) => error.is_lost(),
             _ => false,
         };
-        let done = if lost { self.revive(done) } else { done };
+        let done = if lost { self.reopen_device(done) } else { done };
         if let Err(error) = done {
             if self.outcome.is_ok() {
                 self.outcome = Err(error);
@@ -287,8 +289,8 @@ impl Host {
     }
 
     /// Opens a device in place of one that is lost, once.
-    fn revive(&mut self, lost: Result<(), ViewError>) -> Result<(), ViewError> {
-        if std::mem::replace(&mut self.revived, true) {
+    fn reopen_device(&mut self, lost: Result<(), ViewError>) -> Result<(), ViewError> {
+        if std::mem::replace(&mut self.reopened, true) {
             return lost;
         }
         log::warn!("the device was lost; another one is opened");
@@ -298,9 +300,9 @@ impl Host {
         }
     }
 
-    fn ask_for_frame(&self) {
-        if let Some(live) = &self.live {
-            live.window.request_redraw();
+    fn request_frame(&self) {
+        if let Some(state) = &self.state {
+            state.window.request_redraw();
         }
     }
 
@@ -317,39 +319,39 @@ impl Host {
                 None => log::info!("first picture after {seconds:.2} s"),
             }
         }
-        let event = match (&mut self.script, &self.live) {
-            (Some(script), Some(live)) => script.next(&mut self.app, &live.widgets)?,
+        let event = match (&mut self.script, &self.state) {
+            (Some(script), Some(state)) => script.next(&mut self.app, &state.widgets)?,
             _ => None,
         };
-        let Some(live) = &mut self.live else { return Ok(()) };
+        let Some(state) = &mut self.state else { return Ok(()) };
         if let Some(event) = event {
-            self.minimized = perform(event, live, &mut self.app, self.minimized)?;
+            self.minimized = perform(event, state, &mut self.app, self.minimized)?;
         }
-        let hidden = self.minimized || self.occluded || self.display.hides(&live.window);
+        let hidden = self.minimized || self.occluded || self.display.hides(&state.window);
         if (hidden || self.hidden) && self.script.is_none() {
             self.app.rest();
         }
-        let raw = live.input.take_egui_input(&live.window);
-        let PhysicalSize { width, height } = live.window.inner_size();
+        let raw = state.input.take_egui_input(&state.window);
+        let PhysicalSize { width, height } = state.window.inner_size();
         let size = if hidden { [0, 0] } else { [width, height] };
         let mut output = FullOutput::default();
         for pass in passes(raw) {
-            output.append(live.context.run_ui(pass, |ui| self.app.ui(ui)));
+            output.append(state.context.run_ui(pass, |ui| self.app.ui(ui)));
         }
-        live.fonts.look(&live.context, &output.shapes);
+        state.fonts.look(&state.context, &output.shapes);
         self.app.note_unsaved(&self.latest);
         if let Some(update) = &output.platform_output.accesskit_update {
-            live.widgets = widgets(update);
+            state.widgets = widgets(update);
         }
-        live.input.handle_platform_output(&live.window, output.platform_output);
+        state.input.handle_platform_output(&state.window, output.platform_output);
         // egui tells of a change once, also where the window waits for a preview.
-        live.textures.append(output.textures_delta);
+        state.textures.append(output.textures_delta);
         let held = self.app.hold(Instant::now());
         let mut shown = Presented::Yes;
         if held.is_none() {
-            let primitives = live.context.tessellate(output.shapes, output.pixels_per_point);
-            let textures = std::mem::take(&mut live.textures);
-            shown = live.canvas.draw(size, textures, &primitives, output.pixels_per_point)?;
+            let primitives = state.context.tessellate(output.shapes, output.pixels_per_point);
+            let textures = std::mem::take(&mut state.textures);
+            shown = state.canvas.draw(size, textures, &primitives, output.pixels_per_point)?;
             self.shown += u64::from(shown != Presented::Hidden);
             if self.hidden != (shown == Presented::Hidden) {
                 self.hidden = !self.hidden;
@@ -362,13 +364,13 @@ impl Host {
             script.drawn(&self.app, held.is_none());
         }
         let title = self.app.title();
-        if live.title != title {
-            live.window.set_title(&title);
-            live.title = title;
+        if state.title != title {
+            state.window.set_title(&title);
+            state.title = title;
         }
-        if live.full_screen != self.app.full_screen {
-            live.full_screen = self.app.full_screen;
-            live.window.set_fullscreen(live.full_screen.then_some(Fullscreen::Borderless(None)));
+        if state.full_screen != self.app.full_screen {
+            state.full_screen = self.app.full_screen;
+            state.window.set_fullscreen(state.full_screen.then_some(Fullscreen::Borderless(None)));
         }
         let wanted =
             output.viewport_output.get(&ViewportId::ROOT).map_or(Duration::MAX, |viewport| viewport.repaint_delay);
@@ -382,7 +384,7 @@ impl Host {
         };
         event_loop.set_control_flow(match Instant::now().checked_add(delay) {
             Some(_) if delay.is_zero() => {
-                live.window.request_redraw();
+                state.window.request_redraw();
                 ControlFlow::Wait
             }
             Some(then) if delay < Duration::from_secs(3600) => ControlFlow::WaitUntil(then),
@@ -393,13 +395,13 @@ impl Host {
 }
 
 /// Does what a script asks for; whether the window is minimized.
-fn perform(event: ScriptEvent, live: &mut Live, app: &mut App, minimized: bool) -> Result<bool, ViewError> {
+fn perform(event: ScriptEvent, state: &mut WindowState, app: &mut App, minimized: bool) -> Result<bool, ViewError> {
     match event {
-        ScriptEvent::Events(events) => live.input.egui_input_mut().events.extend(events),
-        ScriptEvent::Drop(path) => drop(live.input.on_window_event(&live.window, &WindowEvent::DroppedFile(path))),
-        ScriptEvent::Size([width, height]) => drop(live.window.request_inner_size(LogicalSize::new(width, height))),
+        ScriptEvent::Events(events) => state.input.egui_input_mut().events.extend(events),
+        ScriptEvent::Drop(path) => drop(state.input.on_window_event(&state.window, &WindowEvent::DroppedFile(path))),
+        ScriptEvent::Size([width, height]) => drop(state.window.request_inner_size(LogicalSize::new(width, height))),
         ScriptEvent::Minimize(minimize) => {
-            live.window.set_minimized(minimize);
+            state.window.set_minimized(minimize);
             return Ok(minimize);
         }
         ScriptEvent::Shot(path) => app.screenshot(path),

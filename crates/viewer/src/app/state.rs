@@ -1,0 +1,314 @@
+//! The state of the window, in parts by subject.
+
+use crate::ViewError;
+use crate::author::Author;
+use crate::background::Notify;
+use crate::compare::Comparison;
+use crate::densities::Densities;
+use crate::inspect::Inspector;
+use crate::load::Loader;
+use crate::message::Message;
+use crate::model::Model;
+use crate::panels::Panels;
+use crate::playback::Playback;
+use crate::screen::Screen;
+use crate::status::Figures;
+use crate::trackball::Trackball;
+use crate::unsaved::{self, Latest};
+use crate::unused_settings::UnusedSettings;
+use crate::worker::{Job, Worker};
+use egui::{Pos2, Rect};
+use glam::DVec3;
+use hypertexture::gpu::{Gpu, Options};
+use hypertexture::render::Sight;
+use hypertexture::scene::{self, Camera, Scene};
+use hypertexture::shader::Library;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
+use support::disk_cache;
+
+/// Arguments of the window.
+pub struct Start {
+    /// The scene, which has passed its checks.
+    pub scene: Scene,
+    /// The modules of the scene.
+    pub library: Library,
+    /// Options for opening the device.
+    pub options: Options,
+    /// Root mean square error at which a picture has converged.
+    pub max_error: Option<f64>,
+    /// Whether time runs from the beginning.
+    pub play: bool,
+    /// Width and height of the window, points.
+    pub window: [u32; 2],
+    /// Number of frames to draw after the first picture before the screenshot and the exit.
+    pub frames: Option<u32>,
+    /// Path of a screenshot, taken after `frames`, or once the picture has converged.
+    pub screenshot: Option<PathBuf>,
+    /// Path of a script of user input.
+    pub script: Option<PathBuf>,
+    /// Start of the program.
+    pub began: Instant,
+}
+
+/// Milliseconds for a preview, on a CPU and on a GPU.
+const BUDGET_MS: [f64; 2] = [30.0, 12.0];
+
+/// The state of the window.
+pub(crate) struct App {
+    pub(crate) model: Model,
+    pub(super) panels: Panels,
+    pub(super) library: Arc<Library>,
+    pub(super) worker: Option<Worker>,
+    pub(super) loader: Loader,
+    pub(super) notify: Notify,
+    pub(super) screen: Screen,
+    pub(crate) figures: Figures,
+    /// Rectangle of the picture, points.
+    pub(crate) place: Rect,
+    pub(super) navigation: Navigation,
+    pub(super) time: Time,
+    pub(super) comparison: Compared,
+    pub(super) inspector: Inspector,
+    /// Error target of the pictures.
+    pub(super) max_error: Option<f64>,
+    /// Whether pixels are colored by their validity.
+    pub(super) validity: bool,
+    pub(super) densities: Densities,
+    pub(super) unused_settings: UnusedSettings,
+    pub(crate) jobs: Jobs,
+    pub(crate) tasks: Tasks,
+    pub(super) help: bool,
+    /// The first failure of an object or a task, which ends a script.
+    pub(crate) failure: Option<String>,
+    pub(crate) lost: bool,
+    pub(crate) quit: bool,
+    pub(crate) full_screen: bool,
+    /// The last message, and the newest job at that time.
+    pub(super) message: Option<Message>,
+    pub(super) message_job: u64,
+}
+
+/// The effect of a drag.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Drag {
+    #[default]
+    Turn,
+    Pan,
+    Light,
+}
+
+/// Camera control by the mouse.
+pub(super) struct Navigation {
+    pub(super) ball: Trackball,
+    /// Axis and radians per second of a rotation that goes on after a drag.
+    pub(super) glide: Option<(DVec3, f64)>,
+    /// Axis and radians per second of the last move of a drag.
+    pub(super) last_turn: (DVec3, f64),
+    pub(super) inertia: bool,
+    /// Whether a drag keeps the vertical axis upright.
+    pub(super) level: bool,
+    pub(super) drag: Drag,
+    pub(super) dragging: bool,
+    /// Position of the pointer over the picture.
+    pub(super) pointer: Option<Pos2>,
+}
+
+impl Navigation {
+    fn new(camera: &Camera) -> Navigation {
+        Navigation {
+            ball: Trackball::of(camera),
+            glide: None,
+            last_turn: (DVec3::Y, 0.0),
+            inertia: false,
+            level: false,
+            drag: Drag::default(),
+            dragging: false,
+            pointer: None,
+        }
+    }
+}
+
+/// Time of the scene.
+pub(super) struct Time {
+    /// The time while it runs.
+    pub(super) clock: Option<f64>,
+    pub(super) playback: Playback,
+    pub(super) last_frame: Instant,
+}
+
+/// The scene that is compared with the current one.
+#[derive(Default)]
+pub(super) struct Compared {
+    /// The pinned scene and its modules.
+    pub(super) pinned: Option<(Scene, Arc<Library>)>,
+    pub(super) view: Comparison,
+}
+
+/// Jobs of the render thread, and the picture on the screen.
+pub(crate) struct Jobs {
+    /// The job that was submitted last.
+    pub(super) submitted: Option<Job>,
+    /// Number of the newest job.
+    pub(crate) number: u64,
+    /// Number of the job whose picture is on the screen.
+    pub(crate) on_screen: u64,
+    /// Number of the first job of the current scene.
+    pub(super) since: u64,
+    /// Time of the last change of the scene.
+    pub(super) changed: Instant,
+    /// Start of the wait for a preview.
+    pub(super) waiting_since: Option<Instant>,
+    /// Whether a picture has arrived that the window does not show yet.
+    pub(super) fresh: bool,
+    /// Whether an object of the current scene is not loaded.
+    pub(crate) lacks_object: bool,
+    /// View of the picture on the screen.
+    pub(super) shown_view: Option<Sight>,
+    /// View of the current scene.
+    pub(super) current_view: Option<Sight>,
+}
+
+impl Jobs {
+    fn new(now: Instant) -> Jobs {
+        Jobs {
+            submitted: None,
+            number: 0,
+            on_screen: 0,
+            since: 0,
+            changed: now,
+            waiting_since: None,
+            fresh: false,
+            lacks_object: false,
+            shown_view: None,
+            current_view: None,
+        }
+    }
+}
+
+/// Tasks of the render thread.
+#[derive(Default)]
+pub(crate) struct Tasks {
+    /// Number of unfinished tasks.
+    pub(crate) running: u32,
+    /// Error of a search for the fastest settings that has not started.
+    pub(super) pick: Option<f64>,
+    /// The scene of the running search.
+    pub(super) picked_for: Option<Scene>,
+    /// End of the message about the files that are being written.
+    pub(super) writing: String,
+}
+
+impl App {
+    /// A window without a device.
+    pub(crate) fn new(start: &Start, notify: Notify) -> Result<App, ViewError> {
+        let model = Model::new(start.scene.clone(), start.library.clone())?;
+        let program = std::env::current_exe().unwrap_or_else(|_| PathBuf::from("hypertexture"));
+        let mut panels = Panels::new(program, &model).map_err(scene::SceneError::from)?;
+        panels.remember(unsaved::kept(), disk_cache::default_folder());
+        let modules = &model.scene().modules;
+        if let Some((slot, name, file)) =
+            modules.iter().find_map(|(module, file)| module.split_once('/').map(|(slot, name)| (slot, name, file)))
+        {
+            let followed = panels.author().follow(model.library(), slot, name, Path::new(file));
+            followed.unwrap_or_else(|error| log::warn!("{error}"));
+        }
+        let (now, camera) = (Instant::now(), model.scene().camera.clone());
+        let mut playback = Playback::default();
+        playback.reach(camera.time);
+        Ok(App {
+            library: Arc::new(model.library().clone()),
+            panels,
+            worker: None,
+            loader: Loader::default(),
+            notify,
+            screen: Screen::default(),
+            figures: Figures::default(),
+            place: Rect::ZERO,
+            navigation: Navigation::new(&camera),
+            time: Time { clock: start.play.then_some(camera.time), playback, last_frame: now },
+            comparison: Compared::default(),
+            inspector: Inspector::default(),
+            max_error: start.max_error,
+            validity: false,
+            densities: Densities::default(),
+            unused_settings: UnusedSettings::default(),
+            jobs: Jobs::new(now),
+            tasks: Tasks { pick: start.max_error, ..Tasks::default() },
+            help: false,
+            failure: None,
+            lost: false,
+            quit: false,
+            full_screen: false,
+            message: None,
+            message_job: 0,
+            model,
+        })
+    }
+
+    /// Uses a device, the first one or the replacement of a lost one.
+    pub(crate) fn use_device(&mut self, gpu: &Gpu) {
+        let info = gpu.info();
+        self.figures.device = format!("{} ({})", info.name, info.driver);
+        (self.figures.is_cpu, self.figures.budget_ms) = (info.cpu, BUDGET_MS[usize::from(!info.cpu)]);
+        let gate = self.panels.author().gate().clone();
+        gate.try_on(&info.name);
+        self.worker = Some(Worker::start(gpu.clone(), gate, self.figures.budget_ms, self.notify.clone()));
+        self.screen.forget();
+        (self.jobs.submitted, self.lost, self.tasks.running) = (None, false, 0);
+    }
+
+    /// Drops everything that holds the device.
+    pub(crate) fn leave_device(&mut self) {
+        self.worker = None;
+    }
+
+    /// Skips the time since the last frame.
+    pub(crate) fn rest(&mut self) {
+        self.time.last_frame = Instant::now();
+    }
+
+    /// Notes unsaved work.
+    pub(crate) fn note_unsaved(&mut self, latest: &Latest) {
+        latest.note(&self.model, self.panels.author());
+    }
+
+    /// The edited module.
+    pub(crate) fn author(&mut self) -> &mut Author {
+        self.panels.author()
+    }
+
+    /// The title of the window: the scene, after a dot if there is unsaved work.
+    pub(crate) fn title(&self) -> String {
+        let name = |path: &Path| path.file_name().map(|name| name.to_string_lossy().into_owned());
+        let input = &self.model.scene().object.input;
+        let of = || name(Path::new(input)).unwrap_or_default();
+        let scene = self.model.file().and_then(name).unwrap_or_else(|| match self.model.preset() {
+            Some(preset) => format!("{}, {preset}", of()),
+            None => of(),
+        });
+        let mark = if self.panels.is_unsaved(&self.model) { "\u{2022} " } else { "" };
+        format!("{mark}{scene} \u{2013} hypertexture")
+    }
+
+    /// Whether the picture shows the current scene.
+    pub(crate) fn is_current(&self) -> bool {
+        !self.jobs.lacks_object && self.jobs.since > 0 && self.jobs.on_screen >= self.jobs.since
+    }
+
+    /// Name and progress of the object that is being loaded.
+    pub(crate) fn loading(&self) -> Option<(String, f32)> {
+        self.loader.progress()
+    }
+
+    /// Shows a note.
+    pub(super) fn note(&mut self, line: impl Into<String>) {
+        self.message = Some(Message::note(line));
+    }
+
+    /// Shows an error until the picture of a newer job arrives.
+    pub(super) fn fail(&mut self, line: impl Into<String>) {
+        (self.message, self.message_job) = (Some(Message::error(line)), self.jobs.number);
+    }
+}

@@ -1,0 +1,318 @@
+//! The panels around the picture, and the order of their sections.
+
+use super::context::{Act, Pass, prefix};
+use super::dialogs::{self, Question};
+use super::request::Request;
+use super::status::Status;
+use super::{
+    accuracy, bookmarks, camera, editor, effect, file_info, finals, messages, object, parameters, presets, settings,
+    status_bar, theme, timeline, toolbar, transfer, widgets,
+};
+use crate::author::Author;
+use crate::message::Message;
+use crate::model::Model;
+use crate::unsaved;
+use egui::{CollapsingHeader, Id, Panel, PanelState, RichText, ScrollArea, Ui};
+use std::path::PathBuf;
+
+/// Width of the panel of the scene, points.
+const WIDTH: f32 = 376.0;
+/// The least and the most of it, and the part of the window that it has at most.
+const LEAST: f32 = 184.0;
+const MOST: f32 = 640.0;
+const PART: f32 = 0.36;
+
+/// What the panels remember from frame to frame.
+pub struct Panels {
+    /// The additional object that is being edited; none for the scene's own.
+    selected: Option<String>,
+    /// The stop of the transfer map that is being edited.
+    stop: usize,
+    known: file_info::FileInfo,
+    dialogs: dialogs::Dialogs,
+    bookmarks: bookmarks::Bookmarks,
+    /// Scene file, picture.
+    paths: [String; 2],
+    author: Author,
+    editor: editor::Editor,
+    author_is_open: bool,
+    /// Whether the editor was there in the pass before.
+    author_was_open: bool,
+    /// Whether the advanced settings have controls.
+    advanced: bool,
+    /// Whether a preset brings its object and view along.
+    with_own: bool,
+    /// Whether the picture has all the room.
+    hidden: bool,
+    /// The width that was chosen for the panel of the scene, and the most that it could have in the pass before.
+    width: f32,
+    most: f32,
+    theme: theme::Chosen,
+    finals: finals::Finals,
+}
+
+impl Panels {
+    /// Panels around a scene. `program` is the executable of hypertexture, which compiles what is written in the editor.
+    ///
+    /// # Errors
+    /// The library has no module that an editor could begin with.
+    pub fn new(program: PathBuf, model: &Model) -> Result<Panels, hypertexture::shader::LibraryError> {
+        let effect = &model.scene().effect;
+        let first = effect.dmf.first().map(|name| ("dmf", name.split('@').next().unwrap_or_default()));
+        let (slot, name) = first.unwrap_or(("surface", &effect.surface));
+        Ok(Panels {
+            selected: None,
+            stop: 0,
+            known: file_info::FileInfo::default(),
+            dialogs: dialogs::Dialogs::default(),
+            bookmarks: bookmarks::Bookmarks::default(),
+            paths: [String::new(), "picture.png".into()],
+            finals: finals::Finals::new(program.clone()),
+            author: Author::new(program, model.library(), slot, name)?,
+            editor: editor::Editor::default(),
+            author_is_open: false,
+            author_was_open: false,
+            advanced: false,
+            with_own: false,
+            hidden: false,
+            width: WIDTH,
+            most: 0.0,
+            theme: theme::Chosen::default(),
+        })
+    }
+
+    /// The module that is being edited.
+    pub fn author(&mut self) -> &mut Author {
+        &mut self.author
+    }
+
+    /// Opens or closes the editor.
+    pub fn show_author(&mut self, open: bool) {
+        self.author_is_open = open;
+    }
+
+    /// Offers what windows before this one have kept in folders, and the files that they have opened, which are listed in a
+    /// folder of the cache, as those of this one will be.
+    pub fn remember(&mut self, kept: Vec<PathBuf>, folder: Option<PathBuf>) {
+        self.bookmarks = bookmarks::Bookmarks::of(folder.as_deref());
+        self.theme.remember(folder.as_deref());
+        self.dialogs.remember(kept, folder);
+    }
+
+    /// What would end with the window, in words: what no file holds, and a final picture in the making.
+    pub fn at_stake(&self, model: &Model) -> Option<String> {
+        let kept = |what: &str| format!("{what} is not saved. It is kept, and offered at the next start.");
+        let text = || !unsaved::texts(model, &self.author).is_empty();
+        let unsaved = match model.is_dirty() {
+            true => Some(kept("The scene")),
+            false => text().then(|| kept("The text of a module")),
+        };
+        let running = self.finals.progress().map(|progress| format!("What is rendered ends too ({progress})."));
+        let all: Vec<String> = unsaved.into_iter().chain(running).collect();
+        (!all.is_empty()).then(|| all.join("\n"))
+    }
+
+    /// Asks a question, until it is answered.
+    pub fn ask(&mut self, question: Question) {
+        self.dialogs.question = Some(question);
+    }
+
+    /// Whether a question or the dialog of files is open, which have all keys.
+    pub fn is_asking(&self) -> bool {
+        self.dialogs.is_open()
+    }
+
+    /// Asks which file is to be opened.
+    pub fn choose_file(&mut self) {
+        self.dialogs.choose();
+    }
+
+    /// Writes the scene to its file, or to the one that the panel names; asks for a name where there is neither, and before
+    /// what others wrote is replaced.
+    pub fn save(&mut self, model: &mut Model) {
+        self.dialogs.save(model, &self.paths[0]);
+    }
+
+    /// Whether there is something that no file holds.
+    pub fn is_unsaved(&self, model: &Model) -> bool {
+        model.is_dirty() || !unsaved::texts(model, &self.author).is_empty()
+    }
+
+    /// Gives the picture all the room, or the panels theirs.
+    pub fn hide(&mut self, hidden: bool) {
+        self.hidden = hidden;
+    }
+
+    /// Whether the picture has all the room.
+    pub fn is_hidden(&self) -> bool {
+        self.hidden
+    }
+
+    /// Shows every panel in what is left of `ui`; what they leave is for the picture. To be called once for each frame.
+    pub fn show(&mut self, ui: &mut Ui, model: &mut Model, status: &Status) -> Vec<Request> {
+        self.theme.apply(ui.ctx());
+        ui.spacing_mut().item_spacing.y = 5.0;
+        let complaint = self.author.complaint().filter(|_| !self.author_is_open || self.hidden).map(Message::error);
+        Panel::bottom("status").show(ui, |ui| status_bar::show(ui, status));
+        let mut requests = Vec::new();
+        if !self.hidden {
+            Panel::bottom("time").show(ui, |ui| timeline::show(ui, model, status, &mut requests));
+            // Of a small window, the picture keeps most.
+            let most = (PART * ui.available_width()).clamp(LEAST, MOST);
+            if std::mem::replace(&mut self.most, most) != most {
+                // With the room, the width that was chosen comes back.
+                ui.data_mut(|data| data.remove::<PanelState>(Id::new("scene")));
+            }
+            let panel = Panel::right("scene").default_size(self.width.min(most)).size_range(LEAST..=most);
+            let shown = panel.show(ui, |ui| {
+                widgets::fit(ui);
+                let requests = self.controls(ui, model, status);
+                ui.take_available_width();
+                requests
+            });
+            requests.extend(shown.inner);
+            let width = shown.response.rect.width();
+            self.width = if width < most { width } else { self.width };
+        }
+        if self.author_is_open && !self.hidden {
+            let panel = Panel::left("author").default_size(520.0).size_range(280.0..=1200.0).show(ui, |ui| {
+                ui.add_space(4.0);
+                editor::show(ui, &mut self.author, model, &mut self.editor);
+            });
+            editor::keep_focus(ui, panel.response.rect);
+            if !std::mem::replace(&mut self.author_was_open, true) {
+                editor::focus(ui);
+            }
+        } else {
+            self.author_was_open = false;
+            if self.author.poll(model) {
+                ui.ctx().request_repaint();
+            }
+        }
+        // A compiler that answers and a file that changes are seen without a move of the mouse.
+        self.author.wakes().into_iter().for_each(|wait| ui.ctx().request_repaint_after(wait));
+        let at_stake = self.dialogs.question.as_ref().filter(|asked| **asked == Question::Quit);
+        let at_stake = at_stake.and_then(|_| self.at_stake(model));
+        requests.extend(self.dialogs.show(ui, model, &self.paths[0], at_stake));
+        self.finals.show(ui, model, status);
+        let all = [complaint.as_ref(), model.notice(), status.message.as_ref(), self.finals.outcome()];
+        let all: Vec<&Message> = all.into_iter().flatten().collect();
+        messages::show(ui, &all);
+        requests
+    }
+
+    fn controls(&mut self, ui: &mut Ui, model: &mut Model, status: &Status) -> Vec<Request> {
+        self.selected = self.selected.take().filter(|name| model.scene().parts.contains_key(name));
+        let (draft, acts, requests) = (model.scene().clone(), Vec::new(), Vec::new());
+        let values = draft.fields().into_iter().collect();
+        let advanced = self.advanced;
+        let mut pass = Pass { draft, values, refused: None, touch: None, acts, requests, model, status, advanced };
+        ui.add_space(4.0);
+        self.dialogs.offer(ui, &mut pass.acts);
+        toolbar::history(ui, &mut pass, &mut self.author_is_open);
+        ui.horizontal_wrapped(|ui| {
+            let open = ui.toggle_value(&mut self.finals.is_open, "Final picture");
+            widgets::named(ui, &open, "final").on_hover_text("A picture, a sequence or a video, in any size.");
+            self.finals.progress().map(|progress| ui.weak(progress));
+        });
+        ui.separator();
+        ScrollArea::vertical().id_salt("controls").auto_shrink(false).show(ui, |ui| self.sections(ui, &mut pass));
+        let Pass { draft, touch, refused, acts, mut requests, .. } = pass;
+        if let Some(what) = touch {
+            model.propose(&what, draft);
+        }
+        refused.into_iter().for_each(|line| model.say(line));
+        acts.into_iter().for_each(|act| self.act(act, model));
+        // A picture that another program wrote is replaced by those who say so, and unsaved work is not left by one click.
+        requests = requests.into_iter().filter_map(|request| self.asking(request, model)).collect();
+        // A drag is one step of the history, and a pair of keys is two.
+        if !ui.ctx().input(|input| input.pointer.any_down()) {
+            model.end_undo_group();
+        }
+        requests
+    }
+
+    fn sections(&mut self, ui: &mut Ui, pass: &mut Pass<'_>) {
+        ui.horizontal_wrapped(|ui| {
+            for (advanced, text, name, doc) in [
+                (false, "Basic", "view.basic", "What most pictures need."),
+                (true, "Advanced", "view.advanced", "Every setting of a scene file."),
+            ] {
+                let response = ui.selectable_label(self.advanced == advanced, text).on_hover_text(doc);
+                if widgets::named(ui, &response, name).clicked() {
+                    self.advanced = advanced;
+                }
+            }
+        });
+        let advanced = pass.advanced;
+        section(ui, "Presets", true, |ui| presets::show(ui, pass, &mut self.with_own));
+        let recent = &self.dialogs.recent;
+        section(ui, "File", false, |ui| toolbar::files(ui, pass, &mut self.paths, recent));
+        if advanced {
+            section(ui, "Objects", false, |ui| object::list(ui, pass, &mut self.selected));
+        }
+        let part = self.selected.clone();
+        let part = part.as_deref();
+        section(ui, "Object", false, |ui| object::show(ui, pass, part));
+        if advanced {
+            section(ui, "What it holds", false, |ui| file_info::show(ui, pass, part, &mut self.known));
+        }
+        // Above its parameters: another module has others, and moves nothing under the pointer.
+        if advanced {
+            section(ui, "Effect", true, |ui| effect::show(ui, pass, part));
+        }
+        section(ui, "Parameters", true, |ui| parameters::show(ui, pass, part));
+        section(ui, "Transfer map", false, |ui| transfer::show(ui, pass, part, &mut self.stop));
+        section(ui, "Material", false, |ui| settings::table(ui, pass, &prefix(part), "material"));
+        section(ui, "Light and background", false, |ui| camera::light(ui, pass));
+        section(ui, "Camera", false, |ui| camera::camera(ui, pass, &mut self.bookmarks));
+        section(ui, "Accuracy", false, |ui| accuracy::show(ui, pass));
+        section(ui, "Picture", false, |ui| settings::show(ui, pass, "", "image.size"));
+        if advanced && !pass.status.made.is_empty() {
+            section(ui, "Made with", false, |ui| status_bar::made(ui, &pass.status.made));
+        }
+        ui.horizontal_wrapped(|ui| {
+            ui.weak("theme");
+            self.theme.show(ui);
+        });
+    }
+
+    /// A request that nothing is lost by; of others it is asked.
+    fn asking(&mut self, request: Request, model: &Model) -> Option<Request> {
+        match request {
+            Request::Screenshot(path) => self.dialogs.picture(path),
+            Request::Quit if self.at_stake(model).is_some() => {
+                self.ask(Question::Quit);
+                None
+            }
+            other => Some(other),
+        }
+    }
+
+    fn act(&mut self, act: Act, model: &mut Model) {
+        match act {
+            Act::Undo => drop(model.undo()),
+            Act::Redo => drop(model.redo()),
+            Act::Preset { name, on_object } => drop(model.take_preset(&name, on_object)),
+            Act::Choose => self.dialogs.choose(),
+            Act::Open(path) => drop(model.open(&path)),
+            Act::Restore(folder) => {
+                dialogs::restore(&folder, model, &mut self.author);
+                self.author_is_open |= self.author.file().is_some();
+            }
+            Act::Save(path) if path.as_os_str().is_empty() => self.save(model),
+            Act::Save(path) => self.dialogs.scene(path, model),
+            Act::AddPart => self.selected = model.add_part("sphere").or(self.selected.take()),
+            Act::RemovePart(name) => drop(model.remove_part(&name)),
+        }
+    }
+}
+
+fn section(ui: &mut Ui, title: &str, open: bool, add: impl FnOnce(&mut Ui)) {
+    let header = CollapsingHeader::new(RichText::new(title).strong()).id_salt(title).default_open(open);
+    let shown = header.show(ui, |ui| {
+        add(ui);
+        ui.add_space(4.0);
+    });
+    widgets::come_into_view(ui, &shown.header_response);
+}

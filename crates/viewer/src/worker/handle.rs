@@ -1,0 +1,80 @@
+//! The window's handle of the render thread.
+
+use super::job::{Event, Job, Task};
+use super::render_thread::RenderThread;
+use super::shared::Shared;
+use crate::author::Gate;
+use crate::background::Notify;
+use hypertexture::gpu::Gpu;
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, mpsc};
+use std::thread::{self, JoinHandle};
+
+/// The thread, which ends with this.
+pub(crate) struct Worker {
+    shared: Arc<Shared>,
+    pub(crate) events: mpsc::Receiver<Event>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Worker {
+    /// Starts the thread. `notify` is called from it when there is an event.
+    pub(crate) fn start(gpu: Gpu, gate: Arc<Gate>, budget_ms: f64, notify: Notify) -> Worker {
+        let shared = Arc::new(Shared::default());
+        let (sender, events) = mpsc::channel();
+        let own = shared.clone();
+        let thread = thread::spawn(move || {
+            let tell = move |event| {
+                // Nobody listens any more when the window is closed.
+                let _ = sender.send(event);
+                notify();
+            };
+            RenderThread::new(gpu, gate, own, budget_ms, Box::new(tell)).run();
+        });
+        Worker { shared, events, thread: Some(thread) }
+    }
+
+    /// Puts a job in place of the one before.
+    pub(crate) fn show(&self, job: Job) {
+        self.shared.newest.store(job.number, Ordering::Relaxed);
+        self.shared.inbox().job = Some(job);
+        self.shared.wake.notify_one();
+    }
+
+    /// The window was drawn with the picture of a job.
+    pub(crate) fn shown(&self, number: u64) {
+        self.shared.shown.store(number, Ordering::Relaxed);
+    }
+
+    /// Does a task as soon as the picture in work is interrupted.
+    pub(crate) fn add(&self, task: Task) {
+        self.shared.stop.store(false, Ordering::Relaxed);
+        self.shared.newest.store(u64::MAX, Ordering::Relaxed);
+        self.shared.inbox().tasks.push_back(task);
+        self.shared.wake.notify_one();
+    }
+
+    /// Whether the thread has ended by itself: with the device, or by a fault of its own.
+    pub(crate) fn has_ended(&self) -> bool {
+        self.thread.as_ref().is_none_or(JoinHandle::is_finished)
+    }
+
+    /// Ends a recording or a search.
+    pub(crate) fn stop(&self) {
+        self.shared.stop.store(true, Ordering::Relaxed);
+    }
+}
+
+impl Drop for Worker {
+    fn drop(&mut self) {
+        self.shared.quit.store(true, Ordering::Relaxed);
+        self.stop();
+        drop(self.shared.inbox()); // whoever is about to wait has seen nothing yet
+        self.shared.wake.notify_one();
+        if let Some(thread) = self.thread.take()
+            && thread.join().is_err()
+        {
+            log::error!("the thread that renders has failed");
+        }
+    }
+}

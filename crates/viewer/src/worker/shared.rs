@@ -1,0 +1,58 @@
+//! State that the window and the render thread share.
+
+use super::job::{Job, Task};
+use std::collections::VecDeque;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Condvar, Mutex, MutexGuard};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// A preview is waited for to be on the screen for so long at most: a hidden window shows none.
+const SHOWN: Duration = Duration::from_millis(40);
+/// While it is, whether it is there is asked this often.
+const LOOK: Duration = Duration::from_micros(500);
+
+#[derive(Default)]
+pub(super) struct Shared {
+    pub(super) inbox: Mutex<Inbox>,
+    pub(super) wake: Condvar,
+    /// Number of the newest job.
+    pub(super) newest: AtomicU64,
+    /// Whether the thread ends.
+    pub(super) quit: AtomicBool,
+    /// Whether a recording or a search ends.
+    pub(super) stop: AtomicBool,
+    /// The jobs of the last preview that was told of, and of the last picture that the window was drawn with.
+    pub(super) told: AtomicU64,
+    pub(super) shown: AtomicU64,
+}
+
+#[derive(Default)]
+pub(super) struct Inbox {
+    pub(super) job: Option<Job>,
+    pub(super) tasks: VecDeque<Task>,
+}
+
+impl Shared {
+    pub(super) fn inbox(&self) -> MutexGuard<'_, Inbox> {
+        self.inbox.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
+    }
+
+    pub(super) fn quits(&self) -> bool {
+        self.quit.load(Ordering::Relaxed)
+    }
+
+    /// Waits until the window was drawn with the last preview: on a device that draws both, the next one would keep it
+    /// waiting.
+    pub(super) fn wait_until_shown(&self) {
+        let until = Instant::now() + SHOWN;
+        while self.shown.load(Ordering::Relaxed) < self.told.load(Ordering::Relaxed) && Instant::now() < until {
+            thread::sleep(LOOK);
+        }
+    }
+
+    /// Whether something is more urgent than the job of this number.
+    pub(super) fn is_stale(&self, number: u64) -> bool {
+        self.quits() || self.newest.load(Ordering::Relaxed) != number
+    }
+}
