@@ -5,7 +5,7 @@ use glam::DVec3;
 use hypertexture::eval::{Inputs, Lanes, Program, Texture, Wrap};
 use hypertexture::render::variant::{self, Use, Variant};
 use hypertexture::scene::{ParameterValue, Scene, preset};
-use hypertexture::shader::{self, Library, Linker, Slots};
+use hypertexture::shader::{self, Library, Linker};
 use std::collections::BTreeMap;
 
 /// Harness of a check: the inputs `p0` to `p3` of a point, the outputs `out0` and `out1`.

@@ -147,7 +147,7 @@ mod tests {
         let _alone = Alone::enter();
         let report = examine(&Options { device: Some("no such device".into()), ..Options::default() });
         assert!(!report.healthy);
-        let failed: Vec<&Finding> = report.findings.iter().filter(|finding| finding.what == "FAIL").collect();
+        let failed: Vec<_> = report.findings.iter().filter(|finding| finding.what == "FAIL").collect();
         assert_eq!(failed.len(), 1, "{}", report.text());
         let remedy = &failed[0].finding;
         assert!(remedy.contains("HYPERTEXTURE_DEVICE") || remedy.contains("sudo apt install"), "{remedy}");

@@ -3,7 +3,9 @@
 use crate::compare::paper::numbers;
 use hypertexture::field::Request;
 use hypertexture::render::{open, request};
-use hypertexture::scene::{self, EFFECTS, EmptySpace, Object, ParameterValue, Pass, Proxy, Scene, SceneError, Source};
+use hypertexture::scene::{
+    self, EFFECTS, EmptySpace, FieldEncoding, Object, ParameterValue, Pass, Proxy, Scene, SceneError,
+};
 use hypertexture::shader::{self, Library};
 use hypertexture::shape::{Mesh, Shape};
 
@@ -209,18 +211,18 @@ fn growth(quick: bool) -> Result<Vec<Vec<Row>>, SceneError> {
 /// The lit torus in each encoding of its field, and lit objects by quads and by polygons.
 fn variants() -> Result<Vec<Vec<Row>>, SceneError> {
     let sources = [
-        ("formula", Source::Auto),
-        ("normals8", Source::Normals8),
-        ("normals16", Source::Normals16),
-        ("distance16", Source::Distance16),
-        ("distance32", Source::Distance32),
+        ("formula", FieldEncoding::Auto),
+        ("normals8", FieldEncoding::Normals8),
+        ("normals16", FieldEncoding::Normals16),
+        ("distance16", FieldEncoding::Distance16),
+        ("distance32", FieldEncoding::Distance32),
     ];
     let mut encodings = Vec::new();
     for (name, source) in sources {
         let mut scene = scene_of("lit", "torus", 2 * SIDE, SIDE)?;
-        (scene.object.source, scene.quality.pass) = (source, Pass::Slices);
+        (scene.object.field_encoding, scene.quality.pass) = (source, Pass::Slices);
         let row = Row::picture(format!("encodings/lit torus, {name}"), scene);
-        encodings.push(if source == Source::Auto {
+        encodings.push(if source == FieldEncoding::Auto {
             row
         } else {
             row.against("encodings/lit torus, formula", "the formula")

@@ -6,16 +6,16 @@ use super::scenes::{box_subject, face, face_subject, homogeneous, indices, sampl
 use glam::{DVec3, Mat3, UVec3, Vec3};
 use hypertexture::field::{self, Request};
 use hypertexture::render::{RenderError, Subject};
-use hypertexture::scene::{Filter, Pass, Projection, Source};
+use hypertexture::scene::{FieldEncoding, Filter, Pass, Projection};
 use hypertexture::shape::{Content, Shape, Volume};
 use std::sync::Arc;
 
 /// Encodings of a field.
-const SOURCES: [(Source, &str); 4] = [
-    (Source::Normals8, "normals8"),
-    (Source::Normals16, "normals16"),
-    (Source::Distance16, "distance16"),
-    (Source::Distance32, "distance32"),
+const SOURCES: [(FieldEncoding, &str); 4] = [
+    (FieldEncoding::Normals8, "normals8"),
+    (FieldEncoding::Normals16, "normals16"),
+    (FieldEncoding::Distance16, "distance16"),
+    (FieldEncoding::Distance32, "distance32"),
 ];
 
 /// Error of the place that a filter reads, in voxels: with weights of 8 bits, which GPUs round more than once (an NVIDIA
@@ -29,10 +29,10 @@ fn subject_of(side: u32, distance: impl Fn(Vec3) -> f32) -> Subject {
 }
 
 /// Width of a code of a normal's component.
-fn code(source: Source) -> f64 {
+fn code(source: FieldEncoding) -> f64 {
     match source {
-        Source::Normals8 => 1.0 / 255.0,
-        Source::Normals16 => 1.0 / 65535.0,
+        FieldEncoding::Normals8 => 1.0 / 255.0,
+        FieldEncoding::Normals16 => 1.0 / 65535.0,
         _ => 0.0,
     }
 }
@@ -43,7 +43,7 @@ pub(super) fn bits(lab: &Lab<'_>, rows: &mut Rows) -> Result<(), CaseError> {
         for band in [0.1f32, 0.8] {
             let mut scene = homogeneous("sphere", 1.0, Projection::Parallel);
             (scene.effect.classify, scene.effect.surface) = ("surface".into(), "normals".into());
-            (scene.object.source, scene.object.inner_iso, scene.object.outer_iso) = (source, 0.0, band);
+            (scene.object.field_encoding, scene.object.inner_iso, scene.object.outer_iso) = (source, 0.0, band);
             (scene.quality.pass, scene.quality.samples) = (Pass::March, 1024);
             let subject = subject_of(64, |p| p.length() - 1.0);
             let frame = lab.render(&scene, &subject)?;
@@ -80,7 +80,8 @@ pub(super) fn medial(lab: &Lab<'_>, rows: &mut Rows) -> Result<(), CaseError> {
             for (pass, how) in PASSES {
                 let mut scene = homogeneous("cube", 50.0, Projection::Perspective);
                 scene.effect.surface = "normals".into();
-                (scene.object.source, scene.object.inner_iso, scene.object.outer_iso) = (source, iso, iso + 0.02);
+                (scene.object.field_encoding, scene.object.inner_iso, scene.object.outer_iso) =
+                    (source, iso, iso + 0.02);
                 (scene.quality.pass, scene.image.size, scene.camera.zoom) = (pass, [32, 32], 4.0);
                 let frame = lab.render(&scene, &subject_of(33, distance))?;
                 let known = frame.pixels.iter().flat_map(|pixel| {
@@ -98,13 +99,13 @@ pub(super) fn medial(lab: &Lab<'_>, rows: &mut Rows) -> Result<(), CaseError> {
 /// Expected and found values of a linear field over [-1, 1]^3.
 fn of_linear(
     lab: &Lab<'_>,
-    source: Source,
+    source: FieldEncoding,
     size: [u32; 3],
     filter: Filter,
     linear: impl Fn(Vec3) -> f32,
 ) -> Result<Vec<(f64, f64)>, CaseError> {
     let mut scene = face("field_value", Pass::March);
-    (scene.object.source, scene.quality.filter) = (source, filter);
+    (scene.object.field_encoding, scene.quality.filter) = (source, filter);
     (scene.object.inner_iso, scene.object.outer_iso) = (1.0, 1.0);
     let field = sampled(size, 1.0, |p| linear(p).into());
     let subject = Subject { field: Some(Arc::new(field)), ..face_subject() };
@@ -118,7 +119,7 @@ fn of_linear(
 pub(super) fn filters(lab: &Lab<'_>, rows: &mut Rows) -> Result<(), CaseError> {
     let bound = FILTERED[usize::from(!lab.gpu.info().filters_by_few_bits())];
     for side in [2, 3, 5, 9, 33] {
-        for (source, name) in [(Source::Distance32, "distance32"), (Source::Distance16, "distance16")] {
+        for (source, name) in [(FieldEncoding::Distance32, "distance32"), (FieldEncoding::Distance16, "distance16")] {
             let voxel = 2.0 / f64::from(side - 1);
             let found = of_linear(lab, source, [side; 3], Filter::Device, |p| p.x)?;
             let known = found.into_iter().map(|(expected, found)| (0.0, (found - expected).abs() / voxel, bound));
@@ -138,7 +139,7 @@ pub(super) fn normals(lab: &Lab<'_>, rows: &mut Rows) -> Result<(), CaseError> {
         for (source, name) in SOURCES {
             let mut scene = homogeneous("cube", 1.0, Projection::Parallel);
             (scene.effect.classify, scene.effect.surface) = ("surface".into(), "normals".into());
-            (scene.object.source, scene.object.inner_iso, scene.object.outer_iso) = (source, 0.0, 0.1);
+            (scene.object.field_encoding, scene.object.inner_iso, scene.object.outer_iso) = (source, 0.0, 0.1);
             (scene.quality.pass, scene.image.size) = (Pass::March, [16, 16]);
             (scene.camera.azimuth, scene.camera.elevation, scene.camera.zoom) = (azimuth, elevation, 4.0);
             let frame = lab.render(&scene, &subject)?;
@@ -157,7 +158,8 @@ pub(super) fn normals(lab: &Lab<'_>, rows: &mut Rows) -> Result<(), CaseError> {
 pub(super) fn thin(lab: &Lab<'_>, rows: &mut Rows) -> Result<(), CaseError> {
     let filter = Filter::precise(lab.gpu.info().filters_by_few_bits());
     for size in [[2, 2, 2], [3, 5, 7], [2, 17, 33], [63, 64, 65], [2, 2, 200]] {
-        for (source, name, bound) in [(Source::Distance32, "distance32", 4e-6), (Source::Normals16, "normals16", 4e-5)]
+        for (source, name, bound) in
+            [(FieldEncoding::Distance32, "distance32", 4e-6), (FieldEncoding::Normals16, "normals16", 4e-5)]
         {
             let found = of_linear(lab, source, size, filter, |p| 0.6 * p.x - 0.3 * p.y)?;
             let known = found.into_iter().map(|(expected, found)| (expected, found, bound));

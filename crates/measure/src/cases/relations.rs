@@ -144,7 +144,7 @@ pub(super) fn warned(lab: &Lab<'_>, rows: &mut Rows) -> Result<(), CaseError> {
         (7, "knot", &[("object.inner_iso", "-1")], "the density is"),
         (19, "sphere", &[("quality.pass", "slices"), ("quality.target", "float16")], "float32 holds it"),
         (19, "sphere", &[("quality.pass", "slices"), ("quality.target", "unorm8")], "float32 holds it"),
-        (20, "knot", &[("object.source", "normals8"), ("object.outer_iso", "1")], "as steps"),
+        (20, "knot", &[("object.field_encoding", "normals8"), ("object.outer_iso", "1")], "as steps"),
         (0, "sphere", &[], ""),
     ];
     for (case, input, changes, line) in DOUBTFUL {

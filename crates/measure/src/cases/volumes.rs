@@ -6,7 +6,7 @@ use super::run::{CaseError, Lab, PASSES, Row, Rows};
 use super::scenes::{face, face_subject, sampled};
 use glam::DVec3;
 use hypertexture::render::Frame;
-use hypertexture::scene::{Filter, Source};
+use hypertexture::scene::{FieldEncoding, Filter};
 use std::sync::Arc;
 
 /// A field that trilinear interpolation reproduces.
@@ -43,7 +43,7 @@ pub(super) fn fields(lab: &Lab<'_>, rows: &mut Rows) -> Result<(), CaseError> {
         let order = order.filter(|_| !coarse);
         for (pass, how) in PASSES {
             let mut scene = face("field_value", pass);
-            (scene.quality.filter, scene.object.source) = (filter, Source::Distance32);
+            (scene.quality.filter, scene.object.field_encoding) = (filter, FieldEncoding::Distance32);
             // The whole box is inside, and distances are stored in twice that range.
             (scene.object.inner_iso, scene.object.outer_iso) = (1.0, 1.0);
             let mut subject = face_subject();

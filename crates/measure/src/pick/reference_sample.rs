@@ -57,7 +57,11 @@ struct Pixel {
 
 impl ReferenceSample {
     /// An empty sample of the f64 reference of a scene, with a tolerance of about `own`.
-    pub(super) fn by_reference(session: Session<'_>, scene: &Scene, own: f64) -> Result<ReferenceSample, ReferenceError> {
+    pub(super) fn by_reference(
+        session: Session<'_>,
+        scene: &Scene,
+        own: f64,
+    ) -> Result<ReferenceSample, ReferenceError> {
         let truth = truth_of(scene, session.library).map_err(VariantError::from)?;
         let (size, side) = (scene.image.size, computed_together(scene));
         let squares = size.map(|pixels| (pixels as usize).div_ceil(side)).iter().product();
@@ -100,7 +104,8 @@ impl ReferenceSample {
         if places.is_empty() {
             return Ok(());
         }
-        let light = reference_pixels(session.library, truth, session.subject, &places, *tolerance, progress, session.stop)?;
+        let light =
+            reference_pixels(session.library, truth, session.subject, &places, *tolerance, progress, session.stop)?;
         let known = light.pixels.iter().zip(light.estimate.iter().zip(&light.open));
         for ((square, [x, y]), (light, (estimate, open))) in found.into_iter().zip(known) {
             self.looked.push(Pixel {

@@ -7,7 +7,7 @@ use hypertexture::gpu::Gpu;
 use hypertexture::noise::Period;
 use hypertexture::render::variant::Variant;
 use hypertexture::render::{Frame, RenderError, Renderer, Subject};
-use hypertexture::scene::{EmptySpace, Integration, Neutral, Order, Pass, RayPath, Scene};
+use hypertexture::scene::{EmptySpace, Integration, Order, Pass, RayPath, Scene};
 use hypertexture::shader::Library;
 use std::sync::Arc;
 
@@ -52,7 +52,7 @@ const EQUIVALENCES: [Equivalence; 7] = [
     Equivalence {
         what: "terms of 0 kept",
         bound: 0.0,
-        pair: |scene, _| changed(scene, true, |scene| scene.quality.neutral = Neutral::Keep),
+        pair: |scene, _| changed(scene, true, |scene| scene.quality.fold_zero_terms = false),
     },
     Equivalence {
         what: "slices from the other end",
