@@ -1,7 +1,7 @@
 //! The object of a scene, ready to be drawn: its field, its place and its size.
 
-use super::RenderError;
 use crate::field::{self, ClosestPoints, DistanceField, Progress};
+use crate::render::error::RenderError;
 use crate::render::variant::Variant;
 use crate::scene::{Axis, GLSL, Object, Parameters, Scene};
 use crate::shader::Library;
@@ -92,9 +92,9 @@ impl Wanted {
 
 /// What is computed from a shape, and how it is placed: equal recipes and shapes have equal subjects.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Recipe {
+pub(crate) struct Recipe {
     input: String,
-    pub(super) request: field::Request,
+    pub(crate) request: field::Request,
     up: Axis,
     closest: bool,
     aligned: bool,
@@ -104,7 +104,7 @@ pub(super) struct Recipe {
 
 impl Recipe {
     /// That of an object that is no formula; `scale` is that of the scene's own.
-    pub(super) fn of(shape: &Shape, wanted: &Wanted, scale: f32) -> Recipe {
+    pub(crate) fn of(shape: &Shape, wanted: &Wanted, scale: f32) -> Recipe {
         let Wanted { object, reach, closest, aligned } = wanted;
         let mut request = reaching(shape, object, *reach);
         if *aligned {
@@ -311,7 +311,7 @@ pub fn open(object: &Object) -> Result<Shape, ShapeError> {
 }
 
 /// The same with what is known of its file besides.
-pub(super) fn opened(object: &Object) -> Result<Opened, ShapeError> {
+pub(crate) fn opened(object: &Object) -> Result<Opened, ShapeError> {
     Ok(settled(Opened::with_grid(&object.input, object.grid.as_deref())?, object))
 }
 

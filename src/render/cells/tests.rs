@@ -1,15 +1,21 @@
 //! Cells that are called empty are.
 
-use super::super::OCTAVES_ID;
-use super::super::cpu_inputs::CpuInputs;
-use super::super::inputs::Inputs;
-use super::decide::{Bounded, packed, unpacked};
-use super::*;
+use super::bounded_noise as ranged;
+use super::grid::distances;
+use super::prover::{Bounded, packed, unpacked};
+use super::prover::{Boxes, Decider};
+use super::slice_tiles as cover;
 use crate::eval;
-use crate::render::Subject;
-use crate::render::sub_frame::SubFrame;
-use crate::render::variant::Variant;
+use crate::gpu::Area;
+use crate::render::camera::Shot;
+use crate::render::camera::SubFrame;
+use crate::render::error::RenderError;
+use crate::render::inputs::{CELLS, ImageInfo, TIME, Values};
+use crate::render::inputs::{CpuInputs, Inputs};
+use crate::render::subject::Subject;
+use crate::render::variant::{OCTAVES_ID, Variant};
 use crate::scene::{Order, Pass, Projection, RayPath, Scene, names, preset};
+use crate::shader::Library;
 use crate::shader::{self, Linker, ParameterKind};
 use support::random::SplitMix;
 
@@ -110,7 +116,7 @@ fn judge(scene: &Scene, side: u32, random: &mut SplitMix, samples: usize) -> (us
     let subject = Subject::load(scene, &library, &|_| ()).unwrap();
     let variant = Variant::of(scene, &library).unwrap();
     let program = variant.program(&library, Linker::new).unwrap();
-    assert!(program.reads(super::super::inputs::CELLS), "{}", variant.key());
+    assert!(program.reads(CELLS), "{}", variant.key());
     let shot = Shot::of(scene, &subject, &variant);
     let inputs = Inputs::new(&library, &shot, &program, &|_| ()).unwrap();
     let Decider::Made(mut bounded) = decider(&library, &shot, |_| true) else { panic!("{}", variant.key()) };

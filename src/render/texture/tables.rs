@@ -1,6 +1,7 @@
 //! Tables of what the transfer map makes of densities.
 
-use super::{code16, evaluate};
+use super::codes::code16;
+use super::transfer::evaluate;
 use crate::field::DistanceField;
 use crate::scene::Transfer;
 use glam::Vec4;
@@ -79,8 +80,8 @@ pub fn classify<E: Send>(
 
 #[cfg(test)]
 mod tests {
+    use super::tests::ramp;
     use super::*;
-    use crate::render::texture::tests::ramp;
     use crate::scene::Curve;
 
     #[test]

@@ -1,6 +1,8 @@
 //! Linked programs kept on disk: glslang takes up to a second for one, and the same one is asked for again and again.
 
-use super::{Program, SHIPPED_PROGRAMS, Variant, VariantError};
+use super::error::VariantError;
+use super::program::{Program, SHIPPED_PROGRAMS};
+use super::scene_variant::Variant;
 use crate::shader;
 use crate::shader::compile::{CompileError, Job, Limits, Wanted, compile, link_allowed, names};
 use crate::shader::library::Compiler;
@@ -126,8 +128,8 @@ fn save(key: blake3::Hash, [vertex, fragment]: &Stages) {
 
 #[cfg(all(test, feature = "glsl"))]
 mod tests {
+    use super::program::words;
     use super::*;
-    use crate::render::variant::program::words;
     use crate::shader::compile::refusal;
 
     #[test]

@@ -1,10 +1,15 @@
 //! A linked program, and what a scene has none of.
 
-use super::VariantError;
+use super::error::VariantError;
 use super::reflect::{self, Resource, Use};
 use flate2::read::DeflateDecoder;
 use std::collections::BTreeSet;
 use std::io::{self, Read};
+
+include!(concat!(env!("OUT_DIR"), "/programs.rs"));
+
+/// `constant_id` of the octaves in `glsl/octave_constants.glsl`.
+pub const OCTAVES_ID: u32 = 0;
 
 /// A linked program and what it reads.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,8 +1,8 @@
 //! Which program a scene needs, and what it is linked from.
 
-use super::*;
-use crate::scene::{EFFECTS, preset};
-use crate::shader;
+use super::{Program, Use, Variant};
+use crate::scene::{EFFECTS, Scene, preset};
+use crate::shader::{self, Linker};
 
 #[test]
 fn soft_matter_is_found_and_shaded_at_once_on_a_gpu() {

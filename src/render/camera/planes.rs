@@ -1,0 +1,43 @@
+//! View-aligned planes at which slices and rays take their samples.
+//!
+//! Invariant: the planes depend on the camera's distance and on the size of the scene, never on the rotation (MJ 3.3).
+
+/// The sphere that the slices cut, in eye space: its center lies on the axis of view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extent {
+    /// Distance of the center from the camera.
+    pub distance: f32,
+    /// Radius.
+    pub radius: f32,
+    /// Nothing nearer to the camera than this is drawn.
+    pub near: f32,
+}
+
+/// Where the samples of a picture are: view-aligned planes, at equal distances.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Planes {
+    /// Depth of the plane nearest to the camera.
+    pub first_depth: f32,
+    /// Distance between two planes.
+    pub step: f32,
+    /// Number of planes.
+    pub count: u32,
+    /// Planes in front of the first, left out because they are behind the camera.
+    pub skipped: u32,
+}
+
+impl Planes {
+    /// Cuts the sphere of `extent` into `samples` parts of equal thickness, each with a plane through its middle. Planes
+    /// nearer than `extent.near` are left out, so that the camera may be inside.
+    pub fn new(extent: Extent, samples: u32) -> Planes {
+        let step = 2.0 * extent.radius / samples as f32;
+        let depth = |plane: u32| extent.distance - extent.radius + (plane as f32 + 0.5) * step;
+        let skipped = (0..samples).find(|&plane| depth(plane) >= extent.near).unwrap_or(samples);
+        Planes { first_depth: depth(skipped), step, count: samples - skipped, skipped }
+    }
+
+    /// Depth of a plane.
+    pub fn depth(&self, plane: u32) -> f32 {
+        self.first_depth + plane as f32 * self.step
+    }
+}

@@ -1,0 +1,207 @@
+//! Cells that no picture waits for: proven on a thread of their own, and used once they are there.
+//!
+//! Role: pictures recorded for a host. Invariant: a picture has the cells that are proven for it or none, and is the same
+//! either way. While the time moves, cells are proven for all times around the present: what is proven for one moment would
+//! be out of date when it is there.
+
+use super::grid::{distances, image, side};
+use super::prover::{Boxes, Decider, Reads, STACK};
+use crate::gpu::{Gpu, Image, Uploads};
+use crate::render::camera::Shot;
+use crate::render::error::RenderError;
+use crate::render::inputs::{ImageInfo, TIME, Values};
+use crate::render::subject::Subject;
+use crate::render::variant::Variant;
+use crate::scene::Scene;
+use crate::shader::Library;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::thread::{self, JoinHandle};
+
+/// Cells hold for so many seconds before and after the time that they are proven for, while that moves. More: less is empty
+/// where the time has a long period. Less: pictures without cells more often.
+const AROUND: f32 = 60.0;
+/// Pictures that share them at least.
+const SHARED: u32 = 64;
+/// Cameras may be so many times as far as that of the picture that cells are proven for.
+const FARTHER: f64 = 4.0;
+
+/// What proves cells, and those that are proven.
+pub(crate) struct Beside {
+    library: Library,
+    prover: Prover,
+    proven: Option<Proven>,
+    /// The time of the picture before.
+    last: Option<f32>,
+    /// While it is there, the thread goes on.
+    here: Arc<()>,
+}
+
+enum Prover {
+    Resting(Decider),
+    Working(JoinHandle<Result<(Decider, Option<Proven>), RenderError>>),
+}
+
+/// Cells, and what they are proven for.
+struct Proven {
+    reads: Arc<Reads>,
+    timeless: Vec<u8>,
+    /// From when to when.
+    times: [f32; 2],
+    /// Whether they are no better at one moment.
+    is_best: bool,
+    boxes: Boxes,
+    /// Distances to the next cell that may hold matter; none where no cell is empty.
+    texels: Vec<u8>,
+    image: Option<Arc<Image>>,
+}
+
+/// What a thread proves cells for.
+struct Job {
+    library: Library,
+    subject: Subject,
+    variant: Variant,
+    scene: Scene,
+    whole: [u32; 2],
+    values: Values,
+    times: [f32; 2],
+    /// The images of the picture's program, by name.
+    images: BTreeMap<String, ImageInfo>,
+    is_cpu: bool,
+}
+
+impl Beside {
+    /// Nothing is proven yet.
+    pub(crate) fn new(library: &Library) -> Beside {
+        let prover = Prover::Resting(Decider::Unmade(0));
+        Beside { library: library.clone(), prover, proven: None, last: None, here: Arc::new(()) }
+    }
+
+    /// The cells of a picture as rays read them; `None` where none is known to be empty. `images` gives those of its program.
+    pub(crate) fn image(
+        &mut self,
+        gpu: &Gpu,
+        shot: &Shot<'_>,
+        values: &Values,
+        images: impl FnOnce() -> BTreeMap<String, ImageInfo>,
+        uploads: &Uploads,
+    ) -> Result<Option<Arc<Image>>, RenderError> {
+        self.take();
+        let time = values.get(TIME).and_then(|time| time.first()).copied().unwrap_or_default();
+        let rests = self.last.replace(time) == Some(time);
+        let holds = |proven: &Proven| proven.holds(shot, values, time);
+        let held = self.proven.as_ref().map(holds).transpose()?.unwrap_or(false);
+        if !held || rests && self.proven.as_ref().is_some_and(|proven| !proven.is_best) {
+            let times = if rests { [time; 2] } else { [time - AROUND, time + AROUND] };
+            self.start(gpu, shot, values, times, images);
+        }
+        let Some(proven) = self.proven.as_mut().filter(|_| held) else { return Ok(None) };
+        if proven.image.is_none() && !proven.texels.is_empty() {
+            proven.image = Some(image(gpu, uploads, proven.boxes.side, &proven.texels)?);
+        }
+        Ok(proven.image.clone())
+    }
+
+    /// Whether the thread has cells for the next picture, and the part of the last ones that is empty.
+    #[cfg(test)]
+    pub(crate) fn found(&self) -> (bool, f32) {
+        let texels = self.proven.iter().flat_map(|proven| &proven.texels);
+        let (empty, all) = texels.fold((0, 0), |(empty, all), away| (empty + u32::from(*away > 0), all + 1));
+        let is_done = matches!(&self.prover, Prover::Working(thread) if thread.is_finished());
+        (is_done, empty as f32 / all.max(1) as f32)
+    }
+
+    /// Takes what the thread has found, if it has.
+    fn take(&mut self) {
+        let is_done = matches!(&self.prover, Prover::Working(thread) if thread.is_finished());
+        if !is_done {
+            return;
+        }
+        let unmade = Prover::Resting(Decider::Unmade(0));
+        let Prover::Working(thread) = std::mem::replace(&mut self.prover, unmade) else { return };
+        match thread.join() {
+            Ok(Ok((decider, proven))) => {
+                self.prover = Prover::Resting(decider);
+                self.proven = proven.or(self.proven.take());
+            }
+            Ok(Err(error)) => self.prover = Prover::Resting(Decider::Unbounded(error.to_string())),
+            Err(reason) => std::panic::resume_unwind(reason),
+        }
+    }
+
+    /// Has the cells of a picture proven for an interval of time, if that pays and the thread is free.
+    fn start(
+        &mut self,
+        gpu: &Gpu,
+        shot: &Shot<'_>,
+        values: &Values,
+        times: [f32; 2],
+        images: impl FnOnce() -> BTreeMap<String, ImageInfo>,
+    ) {
+        let texels = match &self.prover {
+            Prover::Resting(Decider::Unmade(texels)) => *texels,
+            Prover::Resting(Decider::Made(bounded)) => bounded.texels,
+            _ => return,
+        };
+        let is_cpu = gpu.info().cpu;
+        if side(is_cpu, shot, texels, false, SHARED) == 0 {
+            return;
+        }
+        let unmade = Prover::Resting(Decider::Unmade(texels));
+        let Prover::Resting(decider) = std::mem::replace(&mut self.prover, unmade) else { return };
+        let job = Job {
+            library: self.library.clone(),
+            subject: shot.subject.clone(),
+            variant: shot.variant.clone(),
+            scene: shot.scene.clone(),
+            whole: shot.whole,
+            values: values.clone(),
+            times,
+            images: images(),
+            is_cpu,
+        };
+        let here = Arc::downgrade(&self.here);
+        let prove = move || job.prove(decider, &|| here.strong_count() == 0);
+        self.prover = match thread::Builder::new().stack_size(STACK).spawn(prove) {
+            Ok(thread) => Prover::Working(thread),
+            Err(error) => Prover::Resting(Decider::Unbounded(format!("no thread proves them: {error}"))),
+        };
+    }
+}
+
+impl Proven {
+    /// Whether they hold for a picture at a time.
+    fn holds(&self, shot: &Shot<'_>, values: &Values, time: f32) -> Result<bool, RenderError> {
+        let is_then = self.times[0] <= time && time <= self.times[1];
+        let is_there = self.boxes.hold_for(&Boxes::of(shot, self.boxes.side));
+        Ok(is_then && is_there && self.reads.timeless(values)? == self.timeless)
+    }
+}
+
+impl Job {
+    /// What decides, and the cells that it has proven: none where they do not pay. Ends where it is to `stop`.
+    fn prove(self, mut decider: Decider, stop: &dyn Fn() -> bool) -> Result<(Decider, Option<Proven>), RenderError> {
+        let shot = Shot { whole: self.whole, ..Shot::of(&self.scene, &self.subject, &self.variant) };
+        let side_of = |texels| side(self.is_cpu, &shot, texels, false, SHARED);
+        if let Decider::Unmade(_) = decider {
+            let image_of = |name: &str| self.images.get(name).cloned();
+            decider = Decider::new(&self.library, &shot, &image_of, |texels| side_of(texels) > 0)?;
+        }
+        decider.wait(stop)?;
+        let Decider::Made(bounded) = &mut decider else { return Ok((decider, None)) };
+        let boxes = Boxes::of(&shot, side_of(bounded.texels)).wider(FARTHER);
+        if boxes.side == 0 {
+            return Ok((decider, None));
+        }
+        let read = bounded.fill(&self.values, [self.times[0]; 2])?;
+        bounded.fill(&self.values, self.times)?;
+        let is_timeless = self.times[0] < self.times[1] && bounded.inputs.until.is_empty();
+        let is_best = is_timeless || self.times[0] == self.times[1];
+        let times = if is_timeless { [f32::MIN, f32::MAX] } else { self.times };
+        let (empty, _) = bounded.proven(&boxes, &read, stop)?.ok_or(RenderError::Stopped)?;
+        let texels = if empty.contains(&true) { distances(&empty, boxes.side as usize) } else { Vec::new() };
+        let (reads, timeless) = (bounded.reads.clone(), bounded.reads.timeless(&self.values)?);
+        let proven = Proven { reads, timeless, times, is_best, boxes, texels, image: None };
+        Ok((decider, Some(proven)))
+    }
+}

@@ -1,0 +1,67 @@
+//! What the next scene of a host needs, made while the host draws something else.
+
+use super::prepared::{Destination, Made, Prepared};
+use crate::gpu::Gpu;
+use crate::render::camera::Shot;
+use crate::render::error::RenderError;
+use crate::render::subject::Subject;
+use crate::render::variant::Variant;
+use crate::scene::Scene;
+use crate::shader::Library;
+use std::thread::{self, JoinHandle};
+
+/// What pictures of a scene need that goes into a host's images, being made by a thread that submits nothing.
+pub(crate) struct Coming {
+    scene: Scene,
+    variant: Variant,
+    destination: Destination,
+    /// Until it is taken.
+    thread: Option<JoinHandle<Result<Prepared, RenderError>>>,
+}
+
+impl Coming {
+    /// Begins, with what is `made` already.
+    pub(crate) fn new(
+        (gpu, library, subject): (Gpu, Library, Subject),
+        (scene, variant, destination): (Scene, Variant, Destination),
+        made: Made,
+    ) -> Coming {
+        let (own, modules) = (scene.clone(), variant.clone());
+        let make = move || {
+            let shot = Shot::of(&own, &subject, &modules);
+            Prepared::new(&gpu, &library, &shot, destination, made, &|_| ())
+        };
+        Coming { scene, variant, destination, thread: Some(thread::spawn(make)) }
+    }
+
+    /// Whether it is made, or has failed.
+    pub(crate) fn is_made(&self) -> bool {
+        self.thread.as_ref().is_none_or(JoinHandle::is_finished)
+    }
+
+    /// Whether it is for a scene as it was when this began, of any size.
+    pub(crate) fn serves(&self, scene: &Scene, variant: &Variant, destination: Destination) -> bool {
+        let mut alike = scene.clone();
+        alike.image.size = self.scene.image.size;
+        alike.camera = self.scene.camera.clone();
+        self.destination.serves(destination) && (&alike, variant) == (&self.scene, &self.variant)
+    }
+
+    /// What was made; waits for it.
+    pub(crate) fn made(mut self) -> Result<Prepared, RenderError> {
+        match self.thread.take().map(JoinHandle::join) {
+            Some(Ok(made)) => made,
+            Some(Err(reason)) => std::panic::resume_unwind(reason),
+            None => Err(RenderError::Stopped),
+        }
+    }
+}
+
+impl Drop for Coming {
+    /// Waits: what is made is made from a device that may be the host's, and must be gone before that.
+    fn drop(&mut self) {
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}

@@ -1,0 +1,261 @@
+//! What a program reads, on the device: blocks written, images uploaded.
+
+use crate::gpu::{self, Buffer, BufferUse, Gpu, Image, Sampler, Uploads};
+use crate::render::camera::{Shot, SubFrame};
+use crate::render::cells;
+use crate::render::cells::{Beside, Cells, Found, Tiles};
+use crate::render::error::RenderError;
+use crate::render::inputs::{CELLS, Encoded, Filter, ImageInfo, Inputs, Sparse, StoredObjects, Values, blocks};
+use crate::render::variant::{OCTAVES_ID, Program, Resource, Use};
+use crate::scene::Scene;
+use crate::shader::Library;
+use std::sync::Arc;
+
+/// The resources of one program.
+pub(crate) struct BoundInputs {
+    blocks: Vec<(u32, Arc<Buffer>)>,
+    images: Vec<(u32, Arc<Image>)>,
+    samplers: Vec<(u32, Arc<Sampler>)>,
+    sparse: Option<Sparse>,
+    /// Whether an image depends on parameters of modules.
+    pub(crate) holds_parameters: bool,
+    stored: StoredObjects,
+    /// Images whose texels are not copied yet.
+    pub(crate) uploads: Uploads,
+    /// What decides which cells are empty, where the program reads that.
+    cells: Option<Cells>,
+    /// The same for pictures that are recorded for a host.
+    beside: Beside,
+    /// One cell, which may hold matter, where the program reads cells.
+    open: Option<Arc<Image>>,
+    /// What was written into the blocks last.
+    values: Values,
+}
+
+impl BoundInputs {
+    /// Everything that a program reads, but for the shadow volume and the cells, which are made with the picture: see
+    /// [`BoundInputs::replace`]. Cells are found where the program reads them, or where its slices may be cut to tiles. Images
+    /// of pictures that are recorded for a host wait to be copied.
+    pub(crate) fn new(
+        gpu: &Gpu,
+        library: &Library,
+        program: &Program,
+        inputs: &Inputs,
+        is_cut: bool,
+        is_recorded: bool,
+    ) -> Result<BoundInputs, RenderError> {
+        let uploads = Uploads::default();
+        let upload = |(binding, image): &(u32, Encoded)| {
+            let own = uploads.image(gpu, image.name, image.dimension, image.format, image.bytes())?;
+            if !is_recorded {
+                uploads.submit(gpu)?; // one by one: the texels are there twice until they are copied
+            }
+            Ok((*binding, own))
+        };
+        let sampler = |(binding, filter): &(u32, Filter)| {
+            Ok((*binding, Arc::new(Sampler::new(gpu, filter.address, filter.anisotropy)?)))
+        };
+        let cells = (is_cut || program.reads(CELLS)).then(|| Cells::new(library));
+        Ok(BoundInputs {
+            blocks: Vec::new(),
+            images: inputs.images.iter().map(upload).collect::<Result<_, RenderError>>()?,
+            samplers: inputs.samplers.iter().map(sampler).collect::<Result<_, RenderError>>()?,
+            sparse: inputs.sparse,
+            holds_parameters: inputs.holds_parameters,
+            stored: inputs.stored().clone(),
+            open: program.reads(CELLS).then(|| cells::image(gpu, &uploads, 1, &[0])).transpose()?,
+            uploads,
+            cells,
+            beside: Beside::new(library),
+            values: Values::new(),
+        })
+    }
+
+    /// Makes the blocks of a picture, and its cells; ends where it is to `stop`.
+    pub(crate) fn fill(
+        &mut self,
+        gpu: &Gpu,
+        program: &Program,
+        shot: &Shot<'_>,
+        sub_frame: &SubFrame,
+        stop: &dyn Fn() -> bool,
+    ) -> Result<(), RenderError> {
+        self.set_blocks(gpu, program, shot, sub_frame)?;
+        let image_of = |name: &str| image_of(program, &self.images, name);
+        let update = |cells: &mut Cells| cells.update(gpu, shot, &self.values, &image_of, stop);
+        self.cells.as_mut().map(update).transpose()?;
+        if self.open.is_some() {
+            let own = self.cells.as_mut().map(|cells| cells.image(gpu, &self.uploads)).transpose()?.flatten();
+            self.set_cells(program, own);
+        }
+        Ok(self.uploads.submit(gpu)?)
+    }
+
+    /// The same for a picture that is recorded for a host: it waits for nothing, and has the cells that are found so far.
+    pub(crate) fn fill_recorded(
+        &mut self,
+        gpu: &Gpu,
+        program: &Program,
+        shot: &Shot<'_>,
+        sub_frame: &SubFrame,
+    ) -> Result<(), RenderError> {
+        self.set_blocks(gpu, program, shot, sub_frame)?;
+        if self.open.is_some() {
+            let named = |own: &Resource| Some((own.name.clone(), image_of(program, &self.images, &own.name)?));
+            let images = || program.resources.iter().filter_map(named).collect();
+            let own = self.beside.image(gpu, shot, &self.values, images, &self.uploads)?;
+            self.set_cells(program, own);
+        }
+        Ok(())
+    }
+
+    /// Binds the cells of a picture, or the one that may hold matter.
+    fn set_cells(&mut self, program: &Program, own: Option<Arc<Image>>) {
+        if let Some(image) = own.or_else(|| self.open.clone()) {
+            self.replace(program, CELLS, image);
+        }
+    }
+
+    fn set_blocks(
+        &mut self,
+        gpu: &Gpu,
+        program: &Program,
+        shot: &Shot<'_>,
+        sub_frame: &SubFrame,
+    ) -> Result<(), RenderError> {
+        self.values = self.stored.values(shot, sub_frame);
+        self.blocks = buffers(gpu, &self.blocks_of(program)?)?;
+        Ok(())
+    }
+
+    /// Whether the cells of a picture can be found at once.
+    pub(crate) fn is_ready(&self, gpu: &Gpu, shot: &Shot<'_>) -> bool {
+        self.cells.as_ref().is_none_or(|cells| cells.are_decided(gpu, shot))
+    }
+
+    /// The tiles that slices of the picture are drawn in, within areas of it.
+    pub(crate) fn tiles(&self, shot: &Shot<'_>, within: &[gpu::Area]) -> Tiles {
+        self.cells.as_ref().map_or_else(|| Tiles::everywhere(within), |cells| cells.tiles(shot, within))
+    }
+
+    /// Whether cells are there for the next picture that is recorded, and the part of the last ones that is empty.
+    #[cfg(test)]
+    pub(crate) fn recorded_cells(&self) -> (bool, f32) {
+        self.beside.found()
+    }
+
+    /// What was found of the cells of the picture.
+    pub(crate) fn cells(&self) -> Option<Found> {
+        self.cells.as_ref().and_then(Cells::found)
+    }
+
+    /// Largest error of a stored distance, units of its object; 0 for formulas.
+    pub(crate) fn quantization(&self) -> f32 {
+        self.stored.quantization()
+    }
+
+    /// What the bricks of a volume save.
+    pub(crate) fn sparse(&self) -> Option<Sparse> {
+        self.sparse
+    }
+
+    /// Puts an image that is made with the picture among the others, in place of the one before.
+    pub(crate) fn replace(&mut self, program: &Program, name: &str, image: Arc<Image>) {
+        if let Some(found) = program.resources.iter().find(|resource| resource.name == name) {
+            self.images.retain(|(binding, _)| *binding != found.binding);
+            self.images.push((found.binding, image));
+        }
+    }
+
+    /// The blocks of another program that reads no value which this one does not have, as they were filled last.
+    pub(crate) fn blocks_of(&self, program: &Program) -> Result<Vec<(Resource, Vec<u8>)>, RenderError> {
+        blocks(program, &self.values)
+    }
+
+    /// The images that decide what another program gives: not the cells, which leave out what gives nothing.
+    pub(crate) fn images_of(&self, program: &Program) -> Vec<Arc<Image>> {
+        let decides = |own: &Resource, number: u32| own.binding == number && own.name != CELLS;
+        let is_read = |(number, _): &&(u32, _)| program.resources.iter().any(|own| decides(own, *number));
+        self.images.iter().filter(is_read).map(|(_, image)| image.clone()).collect()
+    }
+
+    /// The resources by binding.
+    pub(crate) fn resources(&self) -> Vec<(u32, gpu::Resource)> {
+        self.with(&self.blocks)
+    }
+
+    /// The images and samplers by binding, with blocks of another program.
+    pub(crate) fn with(&self, blocks: &[(u32, Arc<Buffer>)]) -> Vec<(u32, gpu::Resource)> {
+        let blocks = blocks.iter().map(|(binding, block)| (*binding, gpu::Resource::Uniform(block.clone())));
+        let images = self.images.iter().map(|(binding, image)| (*binding, gpu::Resource::Image(image.clone())));
+        let samplers = self.samplers.iter().map(|(binding, own)| (*binding, gpu::Resource::Sampler(own.clone())));
+        blocks.chain(images).chain(samplers).collect()
+    }
+
+    /// What the images are.
+    pub(crate) fn images(&self) -> Vec<ImageInfo> {
+        self.images.iter().map(|(_, image)| read(image)).collect()
+    }
+
+    /// Bytes of the images on the device.
+    pub(crate) fn bytes(&self) -> u64 {
+        self.images.iter().map(|(_, image)| image.bytes()).sum()
+    }
+}
+
+/// Filled blocks on the device, by binding.
+pub(crate) fn buffers(gpu: &Gpu, blocks: &[(Resource, Vec<u8>)]) -> Result<Vec<(u32, Arc<Buffer>)>, RenderError> {
+    let buffer = |(resource, bytes): &(Resource, Vec<u8>)| {
+        Ok((resource.binding, Arc::new(Buffer::new(gpu, &resource.name, BufferUse::Uniform, bytes)?)))
+    };
+    blocks.iter().map(buffer).collect()
+}
+
+/// What the image of a name is, among those of a program.
+fn image_of(program: &Program, images: &[(u32, Arc<Image>)], name: &str) -> Option<ImageInfo> {
+    let binding = program.resources.iter().find(|resource| resource.name == name)?.binding;
+    images.iter().find(|(own, _)| *own == binding).map(|(_, image)| read(image))
+}
+
+/// What an image is.
+fn read(image: &Image) -> ImageInfo {
+    let channels = image.format().channels();
+    let bits = 8 * image.format().bytes() as u32 / channels;
+    ImageInfo { name: image.name().into(), size: image.size(), channels, bits, bytes: image.bytes() }
+}
+
+/// The pipeline of a program with the octaves of a scene, for targets of a format with so many samples.
+pub(crate) fn pipeline(
+    gpu: &Gpu,
+    program: &Program,
+    scene: &Scene,
+    attributes: &[u32],
+    format: gpu::Format,
+    samples: u32,
+    (blend, marks): (gpu::Blend, gpu::Marks),
+) -> Result<gpu::Pipeline, gpu::GpuError> {
+    let bindings: Vec<gpu::Binding> = program.resources.iter().map(binding).collect();
+    let (vertex, fragment, constants) = (&program.vertex, &program.fragment, &[(OCTAVES_ID, scene.effect.octaves)]);
+    let description = gpu::PipelineDescription {
+        vertex,
+        fragment,
+        constants,
+        bindings: &bindings,
+        attributes,
+        format,
+        samples,
+        blend,
+        marks,
+    };
+    gpu::Pipeline::new(gpu, &description)
+}
+
+/// The layout entry of a resource.
+fn binding(resource: &Resource) -> gpu::Binding {
+    let kind = match resource.holds {
+        Use::Block(_) => gpu::BindingKind::Uniform,
+        Use::Image => gpu::BindingKind::Image,
+        Use::Sampler => gpu::BindingKind::Sampler,
+    };
+    gpu::Binding { index: resource.binding, kind, vertex: resource.vertex, fragment: resource.fragment }
+}

@@ -1,0 +1,92 @@
+//! The depth of a picture, by which a host or a compositor puts it among what else it draws.
+//!
+//! Role: a scene -> for each pixel, how far along the axis of view its ray has met half of what would be opaque. Invariant:
+//! rays take the samples of the picture, which those of slices are too, and no program of a picture knows of it.
+
+use super::bind::BoundInputs;
+use super::submission_budget::{Cut, Pace};
+use super::{bind, pass};
+use crate::gpu::{self, Area, BindSet, Dimension, Format, Gpu, Image, ImageUse, Pipeline, Target};
+use crate::render::camera::Shot;
+use crate::render::error::RenderError;
+use crate::render::variant::{Program, Variant, VariantError};
+use crate::scene::{Pass, RayPath, Scene};
+use crate::shader::{Library, Linker};
+use std::sync::Arc;
+
+/// Program and pipeline of the depth of a scene's pictures, made once.
+#[derive(Clone)]
+pub(crate) struct Depth {
+    program: Program,
+    pub(crate) pipeline: Arc<Pipeline>,
+    pace: Pace,
+}
+
+/// Checks, before any work is done, that the pictures of a scene have a depth.
+///
+/// # Errors
+/// [`RenderError::Depth`]; or the scene has more samples than rays may take.
+pub fn check_depth(scene: &Scene, library: &Library) -> Result<(), RenderError> {
+    by_rays(scene, library).map(drop)
+}
+
+/// A scene with one straight ray for each pixel, whose depth is that of the scene.
+///
+/// # Errors
+/// As [`check_depth`].
+pub(crate) fn by_rays(scene: &Scene, library: &Library) -> Result<Scene, RenderError> {
+    if scene.effect.ray_path == RayPath::Refracted {
+        return Err(RenderError::Depth("effect.ray_path = \"straight\""));
+    }
+    if scene.camera.slice_stack {
+        return Err(RenderError::Depth("camera.slice_stack = false"));
+    }
+    let mut scene = scene.clone();
+    (scene.quality.pass, scene.quality.msaa, scene.quality.supersampling) = (Pass::March, 1, 1);
+    scene.light.shadows = false;
+    scene.check(library).map_err(VariantError::from)?; // slices may have more samples
+    Ok(scene)
+}
+
+impl Depth {
+    /// Links and compiles it, unless `made`, of a scene with as many octaves, serves.
+    pub(crate) fn new(
+        gpu: &Gpu,
+        library: &Library,
+        scene: &Scene,
+        variant: &Variant,
+        made: Option<Depth>,
+    ) -> Result<Depth, RenderError> {
+        let scene = by_rays(scene, library)?;
+        let program = variant.depth(&scene, library)?.program(library, Linker::new)?;
+        if let Some(made) = made.filter(|made| made.program == program) {
+            return Ok(made);
+        }
+        let how = (gpu::Blend::Replace, gpu::Marks::None);
+        let pipeline = bind::pipeline(gpu, &program, &scene, &[], Format::R32Float, 1, how)?;
+        Ok(Depth { program, pipeline: Arc::new(pipeline), pace: Pace::default() })
+    }
+
+    /// Binds the images of the picture and the values filled last.
+    pub(crate) fn bind(&self, gpu: &Gpu, bound: &BoundInputs) -> Result<BindSet, RenderError> {
+        let blocks = bind::buffers(gpu, &bound.blocks_of(&self.program)?)?;
+        Ok(self.pipeline.bind(&bound.with(&blocks))?)
+    }
+
+    /// Draws it: object units, row by row from the top. It ends where it is to `stop`, after so many milliseconds.
+    pub(crate) fn draw(
+        &mut self,
+        gpu: &Gpu,
+        shot: &Shot<'_>,
+        bound: &BoundInputs,
+        stop: &dyn Fn(f64) -> bool,
+    ) -> Result<Vec<f32>, RenderError> {
+        let [width, height] = shot.scene.image.size;
+        let plane = Dimension::Plane(width, height);
+        let image = Image::new(gpu, "depth", plane, Format::R32Float, ImageUse::Target(1))?;
+        let (set, all) = (self.bind(gpu, bound)?, [Area::whole([width, height])]);
+        let mut cut = Cut { pace: &mut self.pace, stop };
+        pass::march(gpu, &self.pipeline, &set, (&all[..], shot.planes.count), Target::of(&image), &mut cut)?;
+        Ok(image.read()?.into_iter().map(|[depth, ..]| depth).collect())
+    }
+}

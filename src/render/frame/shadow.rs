@@ -1,0 +1,191 @@
+//! The shadow volume: how much of the light reaches each place of the scene.
+//!
+//! Role: [`transmittance`] evaluates the matter of a scene along rays from the light, on the device and with the modules
+//! of the picture, and takes the products along the rays. Invariant: the rays are straight lines from the light, so that
+//! no shadow is blurred by being handed from texel to texel; see `light_space.glsl` for the space.
+//!
+//! n rays by n rays of n segments need as many samples as a picture of n x n pixels, where a march from each of the n^3
+//! texels to the light would take n / 2 times as many. Handing the light from layer to layer of a grid that does not
+//! follow the rays needs no more either, but mixes neighbors in each layer, and knows no light inside of the scene.
+
+use super::bind::BoundInputs;
+use super::submission_budget::{Cut, Pace};
+use super::{bind, pass};
+use crate::gpu::{self, Dimension, Format, Gpu, Image, ImageUse, Pipeline};
+use crate::render::camera::{LightSpace, Shot, SubFrame};
+use crate::render::error::RenderError;
+use crate::render::inputs::Inputs;
+use crate::render::subject::Subject;
+use crate::render::variant::{Program, Variant};
+use crate::scene::Scene;
+use crate::shader::{Library, Linker};
+use glam::{Mat4, Vec3};
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+/// Format of the target that holds the transmittances of four segments in a texel.
+const SEGMENTS: Format = Format::Rgba32Float;
+const SEGMENTS_OF_A_TEXEL: u32 = 4;
+
+/// How much of the light reaches each place of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Transmittance {
+    space: LightSpace,
+    object_matrix: Mat4,
+    /// For each of the distances, which are one more than rays along a side, the rays; in [0, 1].
+    values: Vec<f32>,
+    /// Milliseconds on the device.
+    pub gpu_ms: f64,
+}
+
+impl Transmittance {
+    /// The light that reaches a place in object space, in [0, 1]: interpolated between rays and along them.
+    pub fn at(&self, x: Vec3) -> f32 {
+        let space = &self.space;
+        let p = space.matrix.transform_point3(self.object_matrix.transform_point3(x));
+        let across = p.truncate().normalize_or_zero() * p.truncate().length().atan2(p.z) / space.rim;
+        let along = (p.length() - space.near) / (space.far - space.near);
+        let side = space.side as usize;
+        let at = (0.5 + 0.5 * across).extend(along) * side as f32 - Vec3::new(0.5, 0.5, 0.0);
+        let at = at.clamp(Vec3::ZERO, Vec3::new((side - 1) as f32, (side - 1) as f32, side as f32));
+        let low = at.floor();
+        let [i, j, k] = low.to_array().map(|c| c as usize);
+        let t = at - low;
+        let value =
+            |i: usize, j: usize, k: usize| self.values[(k.min(side) * side + j.min(side - 1)) * side + i.min(side - 1)];
+        let mix = |a: f32, b: f32, t: f32| a + t * (b - a);
+        let row = |j, k| mix(value(i, j, k), value(i + 1, j, k), t.x);
+        let layer = |k| mix(row(j, k), row(j + 1, k), t.y);
+        mix(layer(k), layer(k + 1), t.z)
+    }
+}
+
+/// The shadow volume of a scene, as [`render`](crate::render::render) uses it for a scene with `light.shadows`.
+///
+/// A step of a ray is two of the picture's, and at most a texel: the error is of first order in that step at hard edges and of
+/// second in soft matter, and between the texels of second order in their size.
+///
+/// # Errors
+/// The scene has no valid program, or the device refuses.
+pub fn transmittance(
+    gpu: &Gpu,
+    library: &Library,
+    scene: &Scene,
+    subject: &Subject,
+) -> Result<Transmittance, RenderError> {
+    let variant = Variant::of(scene, library)?;
+    let program = variant.program(library, Linker::new)?;
+    let shot = Shot::of(scene, subject, &variant);
+    let inputs = Inputs::new(library, &shot, &program, &|_| ())?;
+    let mut bound = BoundInputs::new(gpu, library, &program, &inputs, false, false)?;
+    for sub_frame in SubFrame::all(scene).take(1) {
+        bound.fill(gpu, &program, &shot, &sub_frame, &|| false)?;
+    }
+    let mut caster = Caster::new(gpu, library, scene, &variant, None)?;
+    let (values, gpu_ms) = caster.cast(gpu, &shot, &bound, |light| light, &|_| false)?;
+    Ok(Transmittance { space: shot.space, object_matrix: shot.view.object_matrix, values, gpu_ms })
+}
+
+/// The program of the shadow volumes of a scene, made once, and the last of them.
+#[derive(Clone)]
+pub(crate) struct Caster {
+    program: Program,
+    /// The members of blocks that it reads.
+    read: BTreeSet<(u32, u32)>,
+    pipeline: Arc<Pipeline>,
+    pace: Pace,
+    last: Option<Cast>,
+}
+
+/// A shadow volume.
+#[derive(Clone)]
+pub(crate) struct Cast {
+    space: LightSpace,
+    /// What the program has read of blocks and images: it casts the same volume from the same.
+    blocks: Vec<u8>,
+    images: Vec<Arc<Image>>,
+    pub(crate) image: Arc<Image>,
+    /// Milliseconds on the device.
+    pub(crate) gpu_ms: f64,
+    /// Whether an earlier picture had it cast.
+    pub(crate) is_kept: bool,
+}
+
+impl Caster {
+    /// `made` may serve: one of a scene with as many octaves.
+    pub(crate) fn new(
+        gpu: &Gpu,
+        library: &Library,
+        scene: &Scene,
+        variant: &Variant,
+        made: Option<Caster>,
+    ) -> Result<Caster, RenderError> {
+        let program = variant.shadow(scene, library)?.program(library, Linker::new)?;
+        if let Some(made) = made.filter(|made| made.program == program) {
+            return Ok(made);
+        }
+        let pipeline = bind::pipeline(gpu, &program, scene, &[], SEGMENTS, 1, (gpu::Blend::Replace, gpu::Marks::None))?;
+        let (read, pipeline) = (program.members_read(), Arc::new(pipeline));
+        Ok(Caster { program, read, pipeline, pace: Pace::default(), last: None })
+    }
+
+    /// Has the next one cast anew.
+    pub(crate) fn forget(&mut self) {
+        self.last = None;
+    }
+
+    /// The shadow volume of a picture: the last one, where nothing has changed that the program reads.
+    pub(crate) fn volume(
+        &mut self,
+        gpu: &Gpu,
+        shot: &Shot<'_>,
+        bound: &BoundInputs,
+        stop: &dyn Fn(f64) -> bool,
+    ) -> Result<Cast, RenderError> {
+        let blocks = bound.blocks_of(&self.program)?;
+        let filled = blocks.iter().map(|(resource, bytes)| (resource.binding, bytes.as_slice()));
+        let blocks = self.program.parts_read(&self.read, filled);
+        let images = bound.images_of(&self.program);
+        let serves = |last: &&Cast| {
+            let same_images =
+                images.len() == last.images.len() && images.iter().zip(&last.images).all(|(a, b)| Arc::ptr_eq(a, b));
+            last.space == shot.space && last.blocks == blocks && same_images
+        };
+        if let Some(last) = self.last.as_ref().filter(serves) {
+            return Ok(Cast { is_kept: true, ..last.clone() });
+        }
+        self.last = None;
+        let code = |light: f32| (light * 65535.0 + 0.5) as u16;
+        let (texels, gpu_ms) = self.cast(gpu, shot, bound, code, stop)?;
+        let [x, y, z] = shot.space.texels();
+        let size = Dimension::Volume(x, y, z);
+        let texels = bytemuck::cast_slice(&texels);
+        let image = Arc::new(Image::sampled(gpu, "shadow volume", size, Format::R16Unorm, texels)?);
+        let cast = Cast { space: shot.space, blocks, images, image, gpu_ms, is_kept: false };
+        self.last = Some(cast.clone());
+        Ok(cast)
+    }
+
+    /// Draws the segments with the images of the picture's own program, and takes their products; ends where it is to
+    /// `stop`, after so many milliseconds. Results: texels, each the `code` of its light in [0, 1]; milliseconds on the device.
+    fn cast<T: Clone>(
+        &mut self,
+        gpu: &Gpu,
+        shot: &Shot<'_>,
+        bound: &BoundInputs,
+        code: impl Fn(f32) -> T,
+        stop: &dyn Fn(f64) -> bool,
+    ) -> Result<(Vec<T>, f64), RenderError> {
+        let space = shot.space;
+        let [width, height] = space.target();
+        let blocks = bind::buffers(gpu, &bound.blocks_of(&self.program)?)?;
+        let set = self.pipeline.bind(&bound.with(&blocks))?;
+        let plane = Dimension::Plane(width, height);
+        let color = Image::new(gpu, "shadow segments", plane, SEGMENTS, ImageUse::Target(1))?;
+        let target = gpu::Target::of(&color);
+        let all = [gpu::Area::whole([width, height])];
+        let mut cut = Cut { pace: &mut self.pace, stop };
+        let drawn = pass::march(gpu, &self.pipeline, &set, (&all[..], SEGMENTS_OF_A_TEXEL), target, &mut cut)?;
+        Ok((color.read_with(|segments| space.products(segments, code))?, drawn.gpu_ms))
+    }
+}

@@ -1,0 +1,253 @@
+//! What a program reads, made without a device: the values of its blocks, its images encoded, and nothing that it does
+//! not read.
+
+use super::bricks::Sparse;
+use super::encoded::{Content, Encoded, Filter};
+use super::noise_blocks::{block, block_key};
+use super::object_inputs::{CLOSEST, Item, Stored};
+use super::table;
+use super::table::Function;
+use super::uniforms::{Values, looked_for, moment, values};
+use crate::field::Progress;
+use crate::gpu::{Dimension, Format};
+use crate::render::camera::{Planes, Shot, SubFrame, View};
+use crate::render::error::RenderError;
+use crate::render::texture;
+use crate::render::texture::{Bricks, Encoding, Texels};
+use crate::render::variant::{Program, Resource, Use};
+use crate::scene::Scene;
+use crate::shader::Library;
+use std::cell::Cell;
+
+/// The volumes of one object, as far as its program reads them.
+struct Volumes {
+    texels: Option<Texels>,
+    /// The offsets to the closest points.
+    offsets: Option<Texels>,
+    bricks: Option<Bricks>,
+}
+
+/// The inputs of one program, but for the shadow volume, which is rendered.
+pub(crate) struct Inputs {
+    /// The images by binding.
+    pub(crate) images: Vec<(u32, Encoded)>,
+    /// The samplers by binding.
+    pub(crate) samplers: Vec<(u32, Filter)>,
+    /// What bricks save.
+    pub(crate) sparse: Option<Sparse>,
+    /// Whether a table holds what parameters of modules say.
+    pub(crate) holds_parameters: bool,
+    stored: StoredObjects,
+}
+
+/// How the distance of each object is stored, in the order of the view's objects.
+#[derive(Clone)]
+pub(crate) struct StoredObjects(Vec<Stored>);
+
+impl Inputs {
+    /// Encodes every image that a program reads; `progress` is told of each block of noise.
+    pub(crate) fn new(
+        library: &Library,
+        shot: &Shot<'_>,
+        program: &Program,
+        progress: Progress<'_>,
+    ) -> Result<Inputs, RenderError> {
+        let Shot { scene, subject, variant, view, planes, .. } = shot;
+        let mut items: Vec<Item<'_>> =
+            view.objects.iter().map(|own| Item::of(own, scene, subject, variant, Stored::default())).collect();
+        let mut volumes = Vec::new();
+        let mut sparse = None;
+        for item in &mut items {
+            let read = program.reads(&format!("volume_image{}", item.suffix));
+            let mut texels = if read { item.volume(variant) } else { None };
+            if let Some(texels) = &texels {
+                item.stored.decode = texels.decode.map(|value| value * item.subject.scale);
+                item.stored.quantization = texels.quantization * item.subject.scale;
+            }
+            let bricks = texels.as_ref().filter(|_| program.reads(&format!("brick_image{}", item.suffix)));
+            let bricks =
+                bricks.and_then(|texels| item.bricks(looked_for(scene, variant, view, planes), texels, planes));
+            if let (Some(texels), Some(bricks)) = (&mut texels, &bricks) {
+                sparse.get_or_insert_with(Sparse::default).add(texels, bricks);
+            }
+            let read = program.reads(&format!("closest_image{}", item.suffix));
+            let made = if read { Some(item.closest()?) } else { None };
+            item.stored.closest_range = made.as_ref().map_or(0.0, |(_, range)| range * item.subject.scale);
+            let mut offsets = made.map(|(offsets, _)| offsets);
+            if let (Some(offsets), Some(bricks), Some(sparse)) = (&mut offsets, &bricks, &mut sparse) {
+                sparse.add(offsets, bricks);
+            }
+            volumes.push(Volumes { texels, offsets, bricks });
+        }
+        let holds_parameters = Cell::new(false);
+        let function = |entry| {
+            let values = values(scene, variant, view, &items, planes);
+            let function = Function::new(entry, variant, library, &values)?;
+            holds_parameters.set(holds_parameters.get() || function.reads_parameters);
+            Ok(function)
+        };
+        let (mut images, mut samplers) = (Vec::new(), Vec::new());
+        for Resource { name, binding, holds, .. } in &program.resources {
+            match holds {
+                Use::Image if [SHADOW, BEFORE, BEHIND, CELLS].contains(&name.as_str()) => {}
+                Use::Image => {
+                    let made = match block(scene, name, progress) {
+                        Some(block) => block,
+                        None => image(scene, &items, &mut volumes, planes, &function, name)?,
+                    };
+                    images.push((*binding, made));
+                }
+                Use::Sampler => samplers.push((*binding, Filter::of(name, &scene.quality))),
+                Use::Block(_) => {}
+            }
+        }
+        let stored = StoredObjects(items.iter().map(|item| item.stored).collect());
+        Ok(Inputs { images, samplers, sparse, holds_parameters: holds_parameters.get(), stored })
+    }
+
+    /// How the distances of the objects are stored.
+    pub(crate) fn stored(&self) -> &StoredObjects {
+        &self.stored
+    }
+}
+
+impl StoredObjects {
+    /// Of objects that are not stored: what depends on it has the values of formulas.
+    pub(crate) fn none(view: &View) -> StoredObjects {
+        StoredObjects(vec![Stored::default(); view.objects.len()])
+    }
+
+    /// Largest error of a stored distance, units of its object; 0 for formulas.
+    pub(crate) fn quantization(&self) -> f32 {
+        self.0.iter().map(|stored| stored.quantization).fold(0.0, f32::max)
+    }
+
+    /// The values of every member of the blocks for one picture.
+    pub(crate) fn values(&self, shot: &Shot<'_>, sub_frame: &SubFrame) -> Values {
+        let Shot { scene, subject, variant, view, planes, space, .. } = shot;
+        let objects = view.objects.iter().zip(&self.0);
+        let items: Vec<Item<'_>> =
+            objects.map(|(own, stored)| Item::of(own, scene, subject, variant, *stored)).collect();
+        let mut values = values(scene, variant, view, &items, planes);
+        values.extend(moment(scene, view, sub_frame));
+        for item in &items {
+            let speeds = item.parameters.held_speeds(sub_frame.time);
+            values.extend(speeds.map(|(name, speed)| (format!("{name}{}", item.suffix), vec![speed])));
+        }
+        values.extend(space.values().map(|(name, floats)| (name.to_string(), floats)));
+        values
+    }
+}
+
+/// The shadow volume's name in `interface.glsl`.
+pub(crate) const SHADOW: &str = "shadow_image";
+/// The names of the light's buffers there.
+pub(crate) const BEFORE: &str = "light_before_image";
+pub(crate) const BEHIND: &str = "light_behind_image";
+/// The name of the cells there.
+pub(crate) const CELLS: &str = "cell_image";
+/// What an image depends on, in words, for objects that are loaded.
+pub(crate) fn image_key(shot: &Shot<'_>, name: &str) -> String {
+    let Shot { scene, subject, variant, view, planes, .. } = shot;
+    if let Some(key) = block_key(scene, name) {
+        return key;
+    }
+    let items = view.objects.iter().map(|own| Item::of(own, scene, subject, variant, Stored::default()));
+    let named =
+        |item: &Item<'_>| name.strip_suffix(item.suffix.as_str()).filter(|base| base.ends_with("_image")).is_some();
+    let Some(item) = items.rev().find(named) else { return name.into() };
+    let (object, effect, transfer) = (&item.scene.object, &item.scene.effect, &item.scene.transfer);
+    let densities = (object.inner_iso, item.own.outer_iso);
+    match name.strip_suffix(item.suffix.as_str()).unwrap_or(name) {
+        "transfer_image" => format!("{:?}", texture::transfer_map(transfer)),
+        "index_image" => format!("{:?}", texture::index_map(transfer)),
+        "segment_image" => {
+            format!("{transfer:?} {} {} {:?}", effect.opacity_rate * planes.step, effect.opacity, item.parameters)
+        }
+        "classified_image" => {
+            format!(
+                "{transfer:?} {} {densities:?} {:?}{:?} {:?}",
+                effect.softness, effect.dmf, effect.warp, item.parameters
+            )
+        }
+        "closest_image" => format!("{}", object.inner_iso),
+        "brick_image" => format!("{densities:?} {:?} {}", scene.quality.integration, planes.step),
+        _ => format!("{:?}", item.encoding(variant)),
+    }
+}
+
+/// The image of a name in `interface.glsl` or `part.glsl` that is no block; takes what was encoded of the object.
+fn image(
+    scene: &Scene,
+    items: &[Item<'_>],
+    volumes: &mut [Volumes],
+    planes: &Planes,
+    function: &dyn Fn(&'static str) -> Result<Function, RenderError>,
+    name: &str,
+) -> Result<Encoded, RenderError> {
+    let base = |item: &Item<'_>| name.strip_suffix(item.suffix.as_str()).filter(|base| base.ends_with("_image"));
+    let found = (0..items.len()).rev().find_map(|index| base(&items[index]).map(|base| (index, base)));
+    let (index, name) = found.ok_or_else(|| RenderError::Unfilled(name.into()))?;
+    let item = &items[index];
+    let (scene, subject) = (if item.suffix.is_empty() { scene } else { &item.scene }, item.subject);
+    let encoded = |name, dimension, format, content| Encoded { name, dimension, format, content };
+    Ok(match name {
+        "transfer_image" => {
+            let texels = texture::transfer_map(&scene.transfer);
+            let size = Dimension::Line(texels.len() as u32 / 4);
+            encoded("transfer map", size, Format::Rgba16Unorm, Content::Codes(texels))
+        }
+        "index_image" => {
+            let texels = texture::index_map(&scene.transfer);
+            let size = Dimension::Line(texels.len() as u32 / 4);
+            encoded("index map", size, Format::Rgba32Float, Content::Floats(texels))
+        }
+        "closest_image" => {
+            let offsets = volumes[index].offsets.take().ok_or(RenderError::Missing(CLOSEST))?;
+            let [x, y, z] = offsets.size;
+            let (size, format) = (Dimension::Volume(x, y, z), Format::Rgba16Unorm);
+            encoded(CLOSEST, size, format, Content::Bytes(offsets.bytes))
+        }
+        "brick_image" => {
+            let bricks = volumes[index].bricks.as_ref().ok_or_else(|| RenderError::Unfilled(name.into()))?;
+            let ([x, y, z], format) = (bricks.size, Format::Rgba32Float);
+            encoded("index of bricks", Dimension::Volume(x, y, z), format, Content::Floats(bricks.index.concat()))
+        }
+        "segment_image" => {
+            let exponent = scene.effect.opacity_rate * planes.step;
+            let opacity = function(table::OPACITY)?;
+            let opacities =
+                |paths: &[[f32; 2]]| opacity.at(paths.iter().map(|[density, path]| [*density, exponent * path]));
+            let texels = texture::segment_table(&scene.transfer, opacities)?;
+            let size = Dimension::Plane(texture::SEGMENT_SIZE as u32, texture::SEGMENT_SIZE as u32);
+            encoded("segment table", size, Format::Rgba32Float, Content::Floats(texels))
+        }
+        "classified_image" => {
+            let field = subject.field.as_ref().ok_or(RenderError::Classification(
+                scene.effect.classify.clone(),
+                "voxels, and this object is a formula (object.source = \"normals16\" makes a volume of it)",
+            ))?;
+            if !scene.effect.dmf.is_empty() || !scene.effect.warp.is_empty() {
+                let what = "no DMF or warp: colors are given to voxels";
+                return Err(RenderError::Classification(scene.effect.classify.clone(), what));
+            }
+            let density = function(table::DENSITY)?;
+            let densities = |distances: &[f32]| density.at(distances.iter().map(|d| [d * subject.scale, 0.0]));
+            let texels = texture::classify(field, &scene.transfer, densities)?;
+            let [x, y, z] = field.grid.size;
+            let (size, format) = (Dimension::Volume(x, y, z), Format::Rgba16Unorm);
+            encoded("classified volume", size, format, Content::Codes(texels))
+        }
+        _ => {
+            let texels = volumes[index].texels.take().ok_or_else(|| RenderError::Unfilled(name.into()))?;
+            let [x, y, z] = texels.size;
+            let format = match texels.encoding {
+                Encoding::Normals16 => Format::Rgba16Unorm,
+                Encoding::Normals8 => Format::Rgba8Unorm,
+                Encoding::Distance16 => Format::R16Unorm,
+                Encoding::Distance32 => Format::R32Float,
+            };
+            encoded("distance field", Dimension::Volume(x, y, z), format, Content::Bytes(texels.bytes))
+        }
+    })
+}

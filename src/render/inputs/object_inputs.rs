@@ -1,0 +1,108 @@
+//! One object of a scene: its volume, and what that holds.
+
+use crate::render::camera::Own;
+use crate::render::error::RenderError;
+use crate::render::subject::Subject;
+use crate::render::texture;
+use crate::render::texture::{Encoding, Texels};
+use crate::render::variant::Variant;
+use crate::scene::{Parameters, Scene, Source};
+
+/// How a distance is stored in a volume, units of its object: `x + y s` for a texel s.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Stored {
+    pub(crate) decode: [f32; 2],
+    pub(crate) quantization: f32,
+    /// Range of the offsets to the closest points.
+    pub(crate) closest_range: f32,
+}
+
+/// What an error calls the closest points.
+pub(crate) const CLOSEST: &str = "closest points";
+
+/// One object of the scene, with what its names in the program end in.
+pub(crate) struct Item<'a> {
+    pub(crate) suffix: String,
+    pub(crate) own: &'a Own,
+    /// The scene with this object as its only one.
+    pub(crate) scene: Scene,
+    pub(crate) subject: &'a Subject,
+    pub(crate) parameters: &'a Parameters,
+    pub(crate) stored: Stored,
+}
+
+impl<'a> Item<'a> {
+    pub(crate) fn of(
+        own: &'a Own,
+        scene: &Scene,
+        subject: &'a Subject,
+        variant: &'a Variant,
+        stored: Stored,
+    ) -> Item<'a> {
+        match own.name.as_str() {
+            "" => Item {
+                suffix: String::new(),
+                own,
+                scene: scene.clone(),
+                subject,
+                parameters: &variant.parameters,
+                stored,
+            },
+            name => Item {
+                suffix: format!("_{name}"),
+                own,
+                scene: scene.alone(name),
+                subject: &subject.parts[name],
+                parameters: &variant.parts[name],
+                stored,
+            },
+        }
+    }
+
+    /// The volume of the object; `None` for a formula.
+    pub(crate) fn volume(&self, variant: &Variant) -> Option<Texels> {
+        let field = self.subject.field.as_ref()?;
+        let (encoding, range) = self.encoding(variant);
+        Some(texture::encode(field, encoding, range))
+    }
+
+    /// How the volume is stored, and the distances that it tells apart, units of the field.
+    pub(crate) fn encoding(&self, variant: &Variant) -> (Encoding, [f32; 2]) {
+        let slot = if self.own.name.is_empty() { "object".into() } else { format!("{}.object", self.own.name) };
+        let encoding = match (self.scene.object.source, variant.module(&slot)) {
+            (Source::Normals8, _) => Encoding::Normals8,
+            (Source::Distance32, _) => Encoding::Distance32,
+            (_, Some("distance")) => Encoding::Distance16,
+            _ => Encoding::Normals16,
+        };
+        let reach = self.reach() / self.subject.scale;
+        (encoding, [-reach, reach])
+    }
+
+    /// Distances beyond this are all alike, units of the object: the soft region and as much again on either side, since
+    /// gradients and filters read beyond it.
+    pub(crate) fn reach(&self) -> f32 {
+        self.own.outer_iso.abs() + self.scene.object.inner_iso.abs() + 0.25
+    }
+
+    /// The offsets to the closest points of the inner surface, and their range in the units of the field.
+    pub(crate) fn closest(&self) -> Result<(Texels, f32), RenderError> {
+        let both = self.subject.field.as_ref().zip(self.subject.closest.as_ref());
+        let (field, closest) = both.ok_or(RenderError::Missing(CLOSEST))?;
+        let (bytes, range) = texture::encode_closest(closest, field, self.scene.object.inner_iso / self.subject.scale);
+        Ok((
+            Texels { size: field.grid.size, encoding: Encoding::Normals16, bytes, decode: [0.0; 2], quantization: 0.0 },
+            range,
+        ))
+    }
+
+    /// How much nearer the matter may be than a sampled distance says, units of the object.
+    ///
+    /// A warp moves the place that is looked up, here and wherever the ray lands, not alike. The filter mixes the
+    /// distances of eight samples, whose weighted mean is at most half a voxel's diagonal away (by Jensen's
+    /// inequality); a stored distance is rounded; and f32 has its own few ulps.
+    pub(crate) fn skip_slack(&self) -> f32 {
+        let spacing = self.subject.field.as_ref().map_or(0.0, |field| field.grid.spacing.length());
+        self.own.spread.moves.span() + 0.5 * spacing * self.subject.scale + self.stored.quantization + 1e-5
+    }
+}

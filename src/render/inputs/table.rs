@@ -1,0 +1,49 @@
+//! Functions of modules at many points, for tables: the module itself is evaluated, so that its formula stands once.
+
+use super::uniforms::{Values, blocks};
+use crate::eval::{Inputs, Lanes, Program};
+use crate::render::error::RenderError;
+use crate::render::variant::{Resource, Use, Variant};
+use crate::shader::{Library, Linker};
+use std::collections::BTreeMap;
+
+/// The entry file of the opacity of a path: `given` is a density, and the rate times the path.
+pub(crate) const OPACITY: &str = "opacity_table.frag";
+/// The entry file of the density at a distance, object units.
+pub(crate) const DENSITY: &str = "density_table.frag";
+
+/// A function of a module, ready to be evaluated.
+pub(crate) struct Function {
+    program: Program,
+    inputs: Inputs,
+    /// Whether it reads parameters of modules.
+    pub(crate) reads_parameters: bool,
+}
+
+impl Function {
+    /// The function of one of the entry files above.
+    pub(crate) fn new(
+        entry: &'static str,
+        variant: &Variant,
+        library: &Library,
+        values: &Values,
+    ) -> Result<Function, RenderError> {
+        let linked = variant.table(entry, library)?.program(library, Linker::new)?;
+        let moves = |resource: &Resource| resource.name == "View" || !matches!(resource.holds, Use::Block(_));
+        if linked.resources.iter().any(moves) {
+            return Err(RenderError::Table);
+        }
+        let reads_parameters = linked.reads("Parameters");
+        let blocks = blocks(&linked, values)?.into_iter().map(|(resource, bytes)| (resource.binding, bytes)).collect();
+        let inputs = Inputs { blocks, ..Inputs::default() };
+        Ok(Function { program: Program::read(&linked.fragment, &[])?, inputs, reads_parameters })
+    }
+
+    /// Its values, one for each that is given.
+    pub(crate) fn at(&self, given: impl Iterator<Item = [f32; 2]>) -> Result<Vec<f32>, RenderError> {
+        let given: Vec<_> = given.map(|[a, b]| [f64::from(a), f64::from(b), 0.0, 0.0]).collect();
+        let lanes = Lanes { fragment_coordinates: vec![[0.0; 4]; given.len()], varyings: BTreeMap::from([(0, given)]) };
+        let values = self.program.bind(&self.inputs)?.run::<f64>(&lanes)?.remove(&0).unwrap_or_default();
+        Ok(values.into_iter().map(|value| value[0] as f32).collect())
+    }
+}

@@ -1,0 +1,161 @@
+//! The values of the blocks that programs read, by name.
+
+use super::noise_blocks;
+use super::object_inputs::Item;
+use crate::render::camera::{Planes, SubFrame, View, slant};
+use crate::render::error::RenderError;
+use crate::render::texture::transfer_texel;
+use crate::render::variant::{Program, Resource, Use, Variant};
+use crate::scene::{Integration, Jitter, ParameterValue, Scene};
+use std::collections::HashMap;
+
+/// The time's name in `interface.glsl`.
+pub(crate) const TIME: &str = "time";
+
+/// The values of the members of all blocks, by name.
+pub(crate) type Values = HashMap<String, Vec<f32>>;
+
+/// The blocks of a program, filled.
+pub(crate) fn blocks(program: &Program, values: &Values) -> Result<Vec<(Resource, Vec<u8>)>, RenderError> {
+    let filled = program.resources.iter().filter_map(|resource| {
+        let Use::Block(block) = &resource.holds else { return None };
+        let bytes = block.fill(|name| values.get(name).map(Vec::as_slice)).map_err(RenderError::Unfilled);
+        Some(bytes.map(|bytes| (resource.clone(), bytes)))
+    });
+    filled.collect()
+}
+
+/// Members that differ from sub-frame to sub-frame, by name.
+pub(crate) fn moment(scene: &Scene, view: &View, sub_frame: &SubFrame) -> [(String, Vec<f32>); 4] {
+    let [width, height] = scene.image.size.map(|side| 2.0 / side as f32);
+    let [x, y] = [sub_frame.offset[0] * width - view.pan[0], sub_frame.offset[1] * height - view.pan[1]];
+    // The slices move against the rays, which go through a place beside the center of the pixel, or of another one.
+    let projection = glam::Mat4::from_translation(glam::Vec3::new(-x, -y, 0.0)) * view.projection;
+    [
+        ("projection".into(), projection.to_cols_array().to_vec()),
+        ("picture_scale".into(), vec![width, height, x, y]),
+        (TIME.into(), vec![sub_frame.time as f32]),
+        ("jitter_seed".into(), vec![sub_frame.jitter_seed]),
+    ]
+}
+
+/// Every other member of the blocks of `interface.glsl` and `part.glsl`, and every parameter, by name.
+pub(crate) fn values(scene: &Scene, variant: &Variant, view: &View, items: &[Item<'_>], planes: &Planes) -> Values {
+    let mut values = HashMap::new();
+    let mut set = |name: &str, floats: &[f32]| drop(values.insert(name.to_string(), floats.to_vec()));
+    set("texture_matrix", &view.texture_matrix.to_cols_array());
+    set("object_matrix", &view.object_matrix.to_cols_array());
+    set("display_matrix", &view.display_matrix.to_cols_array());
+    set("box_min", &view.box_min.extend(0.0).to_array());
+    set("box_max", &view.box_max.extend(0.0).to_array());
+    set("soft_radius", &[view.soft_radius]);
+    let plane = scene.camera.clip.unwrap_or([0.0, 0.0, 1.0, f32::MAX]);
+    let length = glam::Vec3::from_slice(&plane).length();
+    set("clip_plane", &plane.map(|value| value / length));
+    set("step_size", &[planes.step]);
+    set("first_depth", &[planes.first_depth]);
+    set("slice_count", &[planes.count as f32]);
+    set("full_opacity", &[1.0 - scene.quality.early_termination]);
+    let reach = sample_reach(scene, variant, view, planes);
+    let shift = if scene.quality.jitter == Jitter::None { 0.0 } else { 0.5 * longest_step(scene, view, planes) };
+    set("slice_axis", &view.axis.extend(0.0).to_array());
+    let transport = scene.light.transport.linear();
+    set("transport_color", &[transport[0], transport[1], transport[2], 1.0]);
+    set("translucency", &[scene.light.translucency]);
+    set("scatter", &[scene.light.scatter]);
+    set("sample_reach", &[reach]);
+    set("steepness", &[steepness(variant)]);
+    set("box_margin", &[reach + shift]);
+    set("ray_scale", &[view.ray_scale[0], view.ray_scale[1], 0.0, 0.0]);
+    let [noise_cells, turbulence_cells, channel_cells] = scene.block_cells().map(|cells| cells as f32);
+    set("noise_cells", &[noise_cells]);
+    set("turbulence_cells", &[turbulence_cells]);
+    set("channel_cells", &[channel_cells]);
+    let [turbulence_octaves, low_octaves] = scene.block_octaves().map(|octaves| octaves as f32);
+    set("turbulence_octaves", &[turbulence_octaves]);
+    set("low_octaves", &[low_octaves]);
+    let [noise, turbulence] = variant.periods;
+    set("noise_period", &[noise.cells as f32]);
+    set("turbulence_period", &[turbulence.cells as f32]);
+    set("turbulence_growth", &[f32::from(u8::from(turbulence.growing))]);
+    set("turbulence_cycle", &[turbulence.cycle as f32]);
+    set("random_mean", &[noise_blocks::random_mean(scene)]);
+    for item in items {
+        set_object(item, view, &mut |name, floats| set(&format!("{name}{}", item.suffix), floats));
+    }
+    values
+}
+
+/// The members of `part.glsl` and the parameters of one object.
+fn set_object(item: &Item<'_>, view: &View, set: &mut dyn FnMut(&str, &[f32])) {
+    let (scene, subject, own) = (&item.scene, item.subject, item.own);
+    set("normal_matrix", &(view.object_matrix * own.place).inverse().transpose().to_cols_array());
+    set("place_matrix", &own.place.inverse().to_cols_array());
+    set("place_scale", &[own.scale]);
+    set("own_radius", &[own.own_radius]);
+    set("own_min", &own.own_min.extend(0.0).to_array());
+    set("own_max", &own.own_max.extend(0.0).to_array());
+
+    // Texel-center mapping: sample i of n lies at texture coordinate (i + 0.5) / n.
+    let (scale, offset, texel) = match &subject.field {
+        None => (glam::Vec3::ZERO, glam::Vec3::ZERO, glam::Vec3::ONE),
+        Some(field) => {
+            let size = glam::UVec3::from(field.grid.size).as_vec3();
+            let scale = 1.0 / (subject.scale * field.grid.spacing * size);
+            let offset = ((subject.center - field.grid.origin) / field.grid.spacing + 0.5) / size;
+            (scale, offset, 1.0 / size)
+        }
+    };
+    set("volume_scale", &scale.extend(0.0).to_array());
+    set("volume_offset", &offset.extend(0.0).to_array());
+    set("volume_texel", &texel.extend(0.0).to_array());
+    set("distance_decode", &[item.stored.decode[0], item.stored.decode[1], 0.0, 0.0]);
+    set("skip_slack", &[item.skip_slack()]);
+    set("hold_radius", &[own.spread.hold_radius]);
+    set("closest_range", &[item.stored.closest_range]);
+    set("opacity_rate", &[scene.effect.opacity_rate]);
+
+    let color = |rgb: [f32; 3], factor: f32| [rgb[0] * factor, rgb[1] * factor, rgb[2] * factor, 1.0];
+    set("material_color", &color(scene.material.color.linear(), 1.0));
+    set("ambient_color", &color(scene.light.ambient.linear(), 1.0));
+    set("light_color", &color(scene.light.color.linear(), scene.light.intensity));
+    set("light_position", &view.light_eye.extend(1.0).to_array());
+    set("transfer_color", &transfer_texel(&scene.transfer));
+    set("specular_power", &[scene.material.specular_power]);
+    set("specular_strength", &[scene.material.specular]);
+    set("iso_value", &[scene.object.inner_iso]);
+    set("outer_iso_value", &[own.outer_iso]);
+    for (parameter, value) in item.parameters.iter() {
+        match value {
+            ParameterValue::Number(number) => set(&parameter.name, &[*number]),
+            ParameterValue::Color(rgb) => set(&parameter.name, &color(rgb.linear(), 1.0)),
+        }
+    }
+}
+
+/// How steep distances are taken to be where a warp moves what is looked up. More: rays look for edges where there are none.
+/// Less: of melting, some of the thinnest drips are cut off.
+const WARPED: f32 = 2.0;
+
+/// How far from its place a sample looks for matter along its ray, object units: 0 where it stands for its place alone.
+fn sample_reach(scene: &Scene, variant: &Variant, view: &View, planes: &Planes) -> f32 {
+    let steps = match scene.quality.integration {
+        Integration::Segment => 0.5,
+        Integration::Point => f32::from(u8::from(variant.looks_back)),
+    };
+    steps * longest_step(scene, view, planes)
+}
+
+/// How near the matter may be, object units, where a sample of a point looks for it along its ray.
+pub(crate) fn looked_for(scene: &Scene, variant: &Variant, view: &View, planes: &Planes) -> f32 {
+    steepness(variant) * sample_reach(scene, variant, view, planes)
+}
+
+fn steepness(variant: &Variant) -> f32 {
+    if variant.has_warps() { WARPED } else { 1.0 }
+}
+
+/// The longest that a step along a ray can be, object units.
+fn longest_step(scene: &Scene, view: &View, planes: &Planes) -> f32 {
+    planes.step * slant(scene, view) / glam::Vec3::from(scene.object.stretch).min_element()
+}
