@@ -1,6 +1,6 @@
 //! A rendered picture and the measurements of its rendering.
 
-use crate::render::cells::Found;
+use crate::render::cells::CellStats;
 use crate::render::inputs::{ImageInfo, Sparse};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -63,7 +63,7 @@ pub struct Measurements {
     pub sparse: Option<Sparse>,
     /// The cells of empty space; `None` where none would be left out.
     #[serde(default)]
-    pub cells: Option<Found>,
+    pub cells: Option<CellStats>,
     /// Largest error of a stored distance, object units; 0 for a formula.
     pub quantization: f32,
     /// Radius beyond which warps along the radius hold their step, where their formula has matter there; object units.

@@ -18,7 +18,7 @@ pub mod texture;
 pub mod variant;
 
 pub use camera::{Sight, half_height};
-pub use cells::{Found, LOOKED_UP, bounded, link as link_cells};
+pub use cells::{CellStats, LOOKED_UP, bounded, link as link_cells};
 pub use custom_modules::{FINITE, Fault, watch};
 pub use density::{Along, PolygonizeError, Polygons, densities, density_along, polygonize};
 pub use error::RenderError;

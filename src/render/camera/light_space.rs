@@ -1,6 +1,6 @@
 //! The space of the shadow volume: rays from the light.
 
-use super::planes::Planes;
+use super::planes::SlicePlanes;
 use super::view::View;
 use crate::scene::{SHADOW_SAMPLES, Scene};
 use glam::{Mat4, Quat, Vec3};
@@ -39,7 +39,7 @@ pub(crate) struct LightSpace {
 }
 
 impl LightSpace {
-    pub(crate) fn of(scene: &Scene, view: &View, planes: &Planes) -> LightSpace {
+    pub(crate) fn of(scene: &Scene, view: &View, planes: &SlicePlanes) -> LightSpace {
         let corners = [0, 1, 2, 3, 4, 5, 6, 7].map(|corner: u32| {
             let at = |bit: u32, axis: usize| [view.box_min, view.box_max][(corner >> bit & 1) as usize][axis];
             view.object_matrix.transform_point3(Vec3::new(at(0, 0), at(1, 1), at(2, 2)))

@@ -15,7 +15,7 @@ pub struct Extent {
 
 /// Where the samples of a picture are: view-aligned planes, at equal distances.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Planes {
+pub struct SlicePlanes {
     /// Depth of the plane nearest to the camera.
     pub first_depth: f32,
     /// Distance between two planes.
@@ -26,14 +26,14 @@ pub struct Planes {
     pub skipped: u32,
 }
 
-impl Planes {
+impl SlicePlanes {
     /// Cuts the sphere of `extent` into `samples` parts of equal thickness, each with a plane through its middle. Planes
     /// nearer than `extent.near` are left out, so that the camera may be inside.
-    pub fn new(extent: Extent, samples: u32) -> Planes {
+    pub fn new(extent: Extent, samples: u32) -> SlicePlanes {
         let step = 2.0 * extent.radius / samples as f32;
         let depth = |plane: u32| extent.distance - extent.radius + (plane as f32 + 0.5) * step;
         let skipped = (0..samples).find(|&plane| depth(plane) >= extent.near).unwrap_or(samples);
-        Planes { first_depth: depth(skipped), step, count: samples - skipped, skipped }
+        SlicePlanes { first_depth: depth(skipped), step, count: samples - skipped, skipped }
     }
 
     /// Depth of a plane.

@@ -3,7 +3,7 @@
 //! Eye space: the camera at the origin, looking along -z, y up; one unit is one object unit. The slices live there, and the
 //! rotation of the object reaches them through the texture matrix alone (MJ 3.3).
 
-use super::planes::{Extent, Planes};
+use super::planes::{Extent, SlicePlanes};
 use crate::render::subject::Subject;
 use crate::render::variant::Variant;
 use crate::scene::{Parameters, Projection, Scene, Spread, Transform};
@@ -31,7 +31,7 @@ pub(crate) struct View {
     pub(crate) display_matrix: Mat4,
     pub(crate) light_eye: Vec3,
     /// The scene's own object, then the further ones.
-    pub(crate) objects: Vec<Own>,
+    pub(crate) objects: Vec<ObjectView>,
     pub(crate) box_min: Vec3,
     pub(crate) box_max: Vec3,
     /// No matter is farther from the origin of object space than this.
@@ -51,7 +51,7 @@ pub(crate) struct View {
 }
 
 /// What each object has for itself.
-pub(crate) struct Own {
+pub(crate) struct ObjectView {
     /// Its name in the scene; empty for the scene's own.
     pub(crate) name: String,
     /// From its own space to object space of the scene.
@@ -76,8 +76,8 @@ pub(crate) struct Own {
     soft: f32,
 }
 
-impl Own {
-    fn of(name: &str, place: Transform, scene: &Scene, subject: &Subject, parameters: &Parameters) -> Own {
+impl ObjectView {
+    fn of(name: &str, place: Transform, scene: &Scene, subject: &Subject, parameters: &Parameters) -> ObjectView {
         // Of the scene, not of the program: pre-classification softens the voxels, and its program does not.
         let soft = scene.effect.softness != "hard";
         let declared = parameters.outer_iso().unwrap_or(scene.object.outer_iso);
@@ -87,7 +87,7 @@ impl Own {
         let voxel = subject.field.as_ref().map_or(0.0, |field| field.grid.spacing.length() * subject.scale);
         let radius = 1.0001 * (subject.radius + voxel + outer_iso.max(0.0));
         let spread = parameters.spread(radius);
-        Own {
+        ObjectView {
             name: name.into(),
             place: place.matrix(),
             scale: place.scale,
@@ -131,8 +131,8 @@ impl Own {
 /// What holds of the whole: `of` an object, and of two together where both or one of them is.
 fn whole<T>(
     scene: &Scene,
-    objects: &[Own],
-    of: impl Fn(&Own) -> T,
+    objects: &[ObjectView],
+    of: impl Fn(&ObjectView) -> T,
     both: impl Fn(T, T) -> T,
     either: impl Fn(T, T) -> T,
 ) -> T {
@@ -143,7 +143,7 @@ fn whole<T>(
 }
 
 /// The box of the whole around a box of each of its objects, object space of the scene.
-fn box_of(scene: &Scene, objects: &[Own], of: impl Fn(&Own) -> (Vec3, Vec3)) -> (Vec3, Vec3) {
+fn box_of(scene: &Scene, objects: &[ObjectView], of: impl Fn(&ObjectView) -> (Vec3, Vec3)) -> (Vec3, Vec3) {
     let both = |a: (Vec3, Vec3), b: (Vec3, Vec3)| {
         let (low, high) = (a.0.max(b.0), a.1.min(b.1));
         if low.cmplt(high).all() { (low, high) } else { a } // objects that are apart: nothing is there to be seen
@@ -178,20 +178,26 @@ pub fn half_height(scene: &Scene, subject: &Subject, variant: &Variant) -> f32 {
 impl View {
     pub(crate) fn of(scene: &Scene, subject: &Subject, variant: &Variant) -> View {
         let camera = &scene.camera;
-        let mut objects = vec![Own::of("", Transform::default(), scene, subject, &variant.parameters)];
+        let mut objects = vec![ObjectView::of("", Transform::default(), scene, subject, &variant.parameters)];
         for (name, part) in &scene.parts {
-            objects.push(Own::of(name, part.transform, &scene.alone(name), &subject.parts[name], &variant.parts[name]));
+            objects.push(ObjectView::of(
+                name,
+                part.transform,
+                &scene.alone(name),
+                &subject.parts[name],
+                &variant.parts[name],
+            ));
         }
-        let (box_min, box_max) = box_of(scene, &objects, Own::soft_box);
+        let (box_min, box_max) = box_of(scene, &objects, ObjectView::soft_box);
         // What the camera looks at does not move with what drips.
-        let (core_min, core_max) = box_of(scene, &objects, Own::unwarped_box);
+        let (core_min, core_max) = box_of(scene, &objects, ObjectView::unwarped_box);
         let center = 0.5 * (core_min + core_max);
         let ball = |from: Vec3| whole(scene, &objects, |own| own.farthest(from), f32::min, f32::max);
         // Half of what the picture shows: without the soft regions in its middle, with them to its rim.
         let shown = |soft: f32| match objects.as_slice() {
             [own] => own.radius + soft * own.soft,
             all => {
-                let of = |own: &Own| own.center.distance(center) + own.radius + soft * own.soft;
+                let of = |own: &ObjectView| own.center.distance(center) + own.radius + soft * own.soft;
                 all.iter().map(of).fold(0.0, f32::max).min(0.5 * box_min.distance(box_max))
             }
         };
@@ -260,12 +266,12 @@ impl View {
     }
 
     /// The planes of the slices. Of those that do not face the camera none is left out: the light goes through all.
-    pub(crate) fn planes(&self, samples: u32) -> Planes {
+    pub(crate) fn planes(&self, samples: u32) -> SlicePlanes {
         match self.axis == Vec3::Z {
-            true => Planes::new(self.extent, samples),
+            true => SlicePlanes::new(self.extent, samples),
             false => {
                 let distance = -self.axis.dot(self.center_eye);
-                Planes::new(Extent { distance, near: f32::NEG_INFINITY, ..self.extent }, samples)
+                SlicePlanes::new(Extent { distance, near: f32::NEG_INFINITY, ..self.extent }, samples)
             }
         }
     }

@@ -5,9 +5,9 @@
 //! be out of date when it is there.
 
 use super::grid::{distances, image, side};
-use super::prover::{Boxes, Decider, Reads, STACK};
+use super::prover::{CellGrid, CellProver, Reads, STACK};
 use crate::gpu::{Gpu, Image, Uploads};
-use crate::render::camera::Shot;
+use crate::render::camera::FrameContext;
 use crate::render::error::RenderError;
 use crate::render::inputs::{ImageInfo, TIME, Values};
 use crate::render::subject::Subject;
@@ -27,9 +27,9 @@ const SHARED: u32 = 64;
 const FARTHER: f64 = 4.0;
 
 /// What proves cells, and those that are proven.
-pub(crate) struct Beside {
+pub(crate) struct BackgroundCells {
     library: Library,
-    prover: Prover,
+    prover: ProverThread,
     proven: Option<Proven>,
     /// The time of the picture before.
     last: Option<f32>,
@@ -37,9 +37,9 @@ pub(crate) struct Beside {
     here: Arc<()>,
 }
 
-enum Prover {
-    Resting(Decider),
-    Working(JoinHandle<Result<(Decider, Option<Proven>), RenderError>>),
+enum ProverThread {
+    Idle(CellProver),
+    Running(JoinHandle<Result<(CellProver, Option<Proven>), RenderError>>),
 }
 
 /// Cells, and what they are proven for.
@@ -50,7 +50,7 @@ struct Proven {
     times: [f32; 2],
     /// Whether they are no better at one moment.
     is_best: bool,
-    boxes: Boxes,
+    boxes: CellGrid,
     /// Distances to the next cell that may hold matter; none where no cell is empty.
     texels: Vec<u8>,
     image: Option<Arc<Image>>,
@@ -70,18 +70,18 @@ struct Job {
     is_cpu: bool,
 }
 
-impl Beside {
+impl BackgroundCells {
     /// Nothing is proven yet.
-    pub(crate) fn new(library: &Library) -> Beside {
-        let prover = Prover::Resting(Decider::Unmade(0));
-        Beside { library: library.clone(), prover, proven: None, last: None, here: Arc::new(()) }
+    pub(crate) fn new(library: &Library) -> BackgroundCells {
+        let prover = ProverThread::Idle(CellProver::Idle(0));
+        BackgroundCells { library: library.clone(), prover, proven: None, last: None, here: Arc::new(()) }
     }
 
     /// The cells of a picture as rays read them; `None` where none is known to be empty. `images` gives those of its program.
     pub(crate) fn image(
         &mut self,
         gpu: &Gpu,
-        shot: &Shot<'_>,
+        shot: &FrameContext<'_>,
         values: &Values,
         images: impl FnOnce() -> BTreeMap<String, ImageInfo>,
         uploads: &Uploads,
@@ -107,24 +107,24 @@ impl Beside {
     pub(crate) fn found(&self) -> (bool, f32) {
         let texels = self.proven.iter().flat_map(|proven| &proven.texels);
         let (empty, all) = texels.fold((0, 0), |(empty, all), away| (empty + u32::from(*away > 0), all + 1));
-        let is_done = matches!(&self.prover, Prover::Working(thread) if thread.is_finished());
+        let is_done = matches!(&self.prover, ProverThread::Running(thread) if thread.is_finished());
         (is_done, empty as f32 / all.max(1) as f32)
     }
 
     /// Takes what the thread has found, if it has.
     fn take(&mut self) {
-        let is_done = matches!(&self.prover, Prover::Working(thread) if thread.is_finished());
+        let is_done = matches!(&self.prover, ProverThread::Running(thread) if thread.is_finished());
         if !is_done {
             return;
         }
-        let unmade = Prover::Resting(Decider::Unmade(0));
-        let Prover::Working(thread) = std::mem::replace(&mut self.prover, unmade) else { return };
+        let unmade = ProverThread::Idle(CellProver::Idle(0));
+        let ProverThread::Running(thread) = std::mem::replace(&mut self.prover, unmade) else { return };
         match thread.join() {
             Ok(Ok((decider, proven))) => {
-                self.prover = Prover::Resting(decider);
+                self.prover = ProverThread::Idle(decider);
                 self.proven = proven.or(self.proven.take());
             }
-            Ok(Err(error)) => self.prover = Prover::Resting(Decider::Unbounded(error.to_string())),
+            Ok(Err(error)) => self.prover = ProverThread::Idle(CellProver::Unavailable(error.to_string())),
             Err(reason) => std::panic::resume_unwind(reason),
         }
     }
@@ -133,22 +133,22 @@ impl Beside {
     fn start(
         &mut self,
         gpu: &Gpu,
-        shot: &Shot<'_>,
+        shot: &FrameContext<'_>,
         values: &Values,
         times: [f32; 2],
         images: impl FnOnce() -> BTreeMap<String, ImageInfo>,
     ) {
         let texels = match &self.prover {
-            Prover::Resting(Decider::Unmade(texels)) => *texels,
-            Prover::Resting(Decider::Made(bounded)) => bounded.texels,
+            ProverThread::Idle(CellProver::Idle(texels)) => *texels,
+            ProverThread::Idle(CellProver::Ready(bounded)) => bounded.texels,
             _ => return,
         };
         let is_cpu = gpu.info().cpu;
         if side(is_cpu, shot, texels, false, SHARED) == 0 {
             return;
         }
-        let unmade = Prover::Resting(Decider::Unmade(texels));
-        let Prover::Resting(decider) = std::mem::replace(&mut self.prover, unmade) else { return };
+        let unmade = ProverThread::Idle(CellProver::Idle(texels));
+        let ProverThread::Idle(decider) = std::mem::replace(&mut self.prover, unmade) else { return };
         let job = Job {
             library: self.library.clone(),
             subject: shot.subject.clone(),
@@ -163,33 +163,37 @@ impl Beside {
         let here = Arc::downgrade(&self.here);
         let prove = move || job.prove(decider, &|| here.strong_count() == 0);
         self.prover = match thread::Builder::new().stack_size(STACK).spawn(prove) {
-            Ok(thread) => Prover::Working(thread),
-            Err(error) => Prover::Resting(Decider::Unbounded(format!("no thread proves them: {error}"))),
+            Ok(thread) => ProverThread::Running(thread),
+            Err(error) => ProverThread::Idle(CellProver::Unavailable(format!("no thread proves them: {error}"))),
         };
     }
 }
 
 impl Proven {
     /// Whether they hold for a picture at a time.
-    fn holds(&self, shot: &Shot<'_>, values: &Values, time: f32) -> Result<bool, RenderError> {
+    fn holds(&self, shot: &FrameContext<'_>, values: &Values, time: f32) -> Result<bool, RenderError> {
         let is_then = self.times[0] <= time && time <= self.times[1];
-        let is_there = self.boxes.hold_for(&Boxes::of(shot, self.boxes.side));
+        let is_there = self.boxes.hold_for(&CellGrid::of(shot, self.boxes.side));
         Ok(is_then && is_there && self.reads.timeless(values)? == self.timeless)
     }
 }
 
 impl Job {
     /// What decides, and the cells that it has proven: none where they do not pay. Ends where it is to `stop`.
-    fn prove(self, mut decider: Decider, stop: &dyn Fn() -> bool) -> Result<(Decider, Option<Proven>), RenderError> {
-        let shot = Shot { whole: self.whole, ..Shot::of(&self.scene, &self.subject, &self.variant) };
+    fn prove(
+        self,
+        mut decider: CellProver,
+        stop: &dyn Fn() -> bool,
+    ) -> Result<(CellProver, Option<Proven>), RenderError> {
+        let shot = FrameContext { whole: self.whole, ..FrameContext::of(&self.scene, &self.subject, &self.variant) };
         let side_of = |texels| side(self.is_cpu, &shot, texels, false, SHARED);
-        if let Decider::Unmade(_) = decider {
+        if let CellProver::Idle(_) = decider {
             let image_of = |name: &str| self.images.get(name).cloned();
-            decider = Decider::new(&self.library, &shot, &image_of, |texels| side_of(texels) > 0)?;
+            decider = CellProver::new(&self.library, &shot, &image_of, |texels| side_of(texels) > 0)?;
         }
         decider.wait(stop)?;
-        let Decider::Made(bounded) = &mut decider else { return Ok((decider, None)) };
-        let boxes = Boxes::of(&shot, side_of(bounded.texels)).wider(FARTHER);
+        let CellProver::Ready(bounded) = &mut decider else { return Ok((decider, None)) };
+        let boxes = CellGrid::of(&shot, side_of(bounded.texels)).wider(FARTHER);
         if boxes.side == 0 {
             return Ok((decider, None));
         }

@@ -4,12 +4,12 @@
 //! a cell is called empty only where that is proven, so that a picture is the same with cells and without; what cannot be
 //! decided may hold matter.
 
-use super::prover::{Boxes, Decider, SIDES};
+use super::prover::{CellGrid, CellProver, SIDES};
 use super::tiles::Tiles;
-use super::time_span::Span;
+use super::time_span::TimeSpan;
 use super::{prover, slice_tiles};
 use crate::gpu::{Area, Dimension, Format, Gpu, Image, Uploads};
-use crate::render::camera::Shot;
+use crate::render::camera::FrameContext;
 use crate::render::error::RenderError;
 use crate::render::inputs::{ImageInfo, TIME, Values};
 use crate::render::variant::{Variant, VariantError};
@@ -34,7 +34,7 @@ const SAMPLES_OF_FIRST_SLICES: f64 = 16.0;
 /// What was found of the cells of a picture.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
-pub struct Found {
+pub struct CellStats {
     /// Cells along each side of the box around the soft region; 0: none.
     pub side: u32,
     /// The part of them that is proven to be empty.
@@ -48,9 +48,9 @@ pub struct Found {
     pub why: Option<String>,
 }
 
-impl std::fmt::Display for Found {
+impl std::fmt::Display for CellStats {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Found { side, empty, ms, kept, why } = self;
+        let CellStats { side, empty, ms, kept, why } = self;
         match why {
             Some(why) => write!(f, "none: {why}"),
             None => {
@@ -63,15 +63,15 @@ impl std::fmt::Display for Found {
 }
 
 /// What cells of a scene are decided by.
-pub(crate) struct Cells {
+pub(crate) struct EmptyCells {
     library: Library,
-    decider: Decider,
+    decider: CellProver,
     /// Those of the picture before.
-    found: Found,
+    found: CellStats,
     /// What they depend on; `None` where there are none.
-    key: Option<(Vec<u64>, Boxes)>,
+    key: Option<(Vec<u64>, CellGrid)>,
     /// For how long they are.
-    span: Span,
+    span: TimeSpan,
     /// Which of them are empty, x fastest; none where no one is.
     empty: Vec<bool>,
     /// The same as rays read it, once it was asked for.
@@ -82,16 +82,16 @@ pub(crate) struct Cells {
     serve: bool,
 }
 
-impl Cells {
+impl EmptyCells {
     /// What decides the cells of the pictures of one program.
-    pub(crate) fn new(library: &Library) -> Cells {
-        let (library, decider) = (library.clone(), Decider::Unmade(0));
-        Cells {
+    pub(crate) fn new(library: &Library) -> EmptyCells {
+        let (library, decider) = (library.clone(), CellProver::Idle(0));
+        EmptyCells {
             library,
             decider,
-            found: Found::default(),
+            found: CellStats::default(),
             key: None,
-            span: Span::default(),
+            span: TimeSpan::default(),
             empty: Vec::new(),
             image: None,
             is_first: true,
@@ -100,20 +100,20 @@ impl Cells {
     }
 
     /// What was found last; nothing where none would be left out.
-    pub(crate) fn found(&self) -> Option<Found> {
+    pub(crate) fn found(&self) -> Option<CellStats> {
         self.serve.then(|| self.found.clone())
     }
 
     /// Whether what decides the cells of a picture is made, or none pays for it.
-    pub(crate) fn are_decided(&self, gpu: &Gpu, shot: &Shot<'_>) -> bool {
+    pub(crate) fn are_decided(&self, gpu: &Gpu, shot: &FrameContext<'_>) -> bool {
         if !serve(shot, &self.library) {
             return true;
         }
         match self.decider {
-            Decider::Unmade(texels) | Decider::Coming(texels, _) => {
+            CellProver::Idle(texels) | CellProver::Loading(texels, _) => {
                 side(gpu.info().cpu, shot, texels, self.is_first, 1) == 0
             }
-            Decider::Made(_) | Decider::Unbounded(_) => true,
+            CellProver::Ready(_) | CellProver::Unavailable(_) => true,
         }
     }
 
@@ -121,7 +121,7 @@ impl Cells {
     pub(crate) fn update(
         &mut self,
         gpu: &Gpu,
-        shot: &Shot<'_>,
+        shot: &FrameContext<'_>,
         values: &Values,
         image_of: &dyn Fn(&str) -> Option<ImageInfo>,
         stop: &dyn Fn() -> bool,
@@ -133,24 +133,24 @@ impl Cells {
         }
         let is_first = std::mem::replace(&mut self.is_first, false);
         let side_of = |texels, pictures| side(gpu.info().cpu, shot, texels, is_first, pictures);
-        if let Decider::Unmade(texels) = self.decider
+        if let CellProver::Idle(texels) = self.decider
             && side_of(texels, 1) > 0
         {
-            self.decider = Decider::new(&self.library, shot, image_of, |texels| side_of(texels, 1) > 0)?;
+            self.decider = CellProver::new(&self.library, shot, image_of, |texels| side_of(texels, 1) > 0)?;
         }
-        if let Decider::Coming(texels, _) = self.decider
+        if let CellProver::Loading(texels, _) = self.decider
             && side_of(texels, 1) > 0
         {
             self.decider.wait(stop)?;
         }
         let few = || (None, Err::<(Vec<bool>, bool), String>("so few samples are not worth it".into()));
         let (key, empty) = match &mut self.decider {
-            Decider::Unmade(_) | Decider::Coming(..) => few(),
-            Decider::Unbounded(why) => (None, Err(why.clone())),
-            Decider::Made(bounded) => match Boxes::of(shot, side_of(bounded.texels, self.span.shared())) {
-                Boxes { side: 0, .. } => few(),
+            CellProver::Idle(_) | CellProver::Loading(..) => few(),
+            CellProver::Unavailable(why) => (None, Err(why.clone())),
+            CellProver::Ready(bounded) => match CellGrid::of(shot, side_of(bounded.texels, self.span.shared())) {
+                CellGrid { side: 0, .. } => few(),
                 last => {
-                    let is_of = |boxes: &Boxes| self.key.as_ref().is_some_and(|(_, of)| of == boxes);
+                    let is_of = |boxes: &CellGrid| self.key.as_ref().is_some_and(|(_, of)| of == boxes);
                     let time = values.get(TIME).and_then(|time| time.first()).copied().unwrap_or_default();
                     let timeless = bounded.reads.timeless(values)?;
                     if is_of(&last) && self.span.holds(&timeless, time) {
@@ -160,7 +160,7 @@ impl Cells {
                     let camera = &shot.scene.camera;
                     let end = (camera.time + f64::from(camera.shutter)) as f32;
                     let times = self.span.next(&timeless, time, end);
-                    let boxes = Boxes::of(shot, side_of(bounded.texels, self.span.to_share(times)));
+                    let boxes = CellGrid::of(shot, side_of(bounded.texels, self.span.to_share(times)));
                     if is_of(&boxes) && self.key.as_ref().is_some_and(|(before, _)| *before == read) {
                         return Ok(());
                     }
@@ -180,25 +180,25 @@ impl Cells {
         });
         (self.key, self.image) = (key, None);
         (self.found, self.empty) = match (&self.key, empty) {
-            (Some((_, Boxes { side, .. })), Ok((empty, kept))) => {
+            (Some((_, CellGrid { side, .. })), Ok((empty, kept))) => {
                 let ms = start.elapsed().as_secs_f64() * 1e3;
-                (Found { side: *side, empty: part(&empty), ms, kept, why: None }, empty)
+                (CellStats { side: *side, empty: part(&empty), ms, kept, why: None }, empty)
             }
-            (_, why) => (Found { why: why.err(), ..Found::default() }, Vec::new()),
+            (_, why) => (CellStats { why: why.err(), ..CellStats::default() }, Vec::new()),
         };
         Ok(())
     }
 
     /// The cells as rays read them; `None` where none is known to be empty.
     pub(crate) fn image(&mut self, gpu: &Gpu, uploads: &Uploads) -> Result<Option<Arc<Image>>, RenderError> {
-        if let (None, Some((_, Boxes { side, .. })), false) = (&self.image, &self.key, self.empty.is_empty()) {
+        if let (None, Some((_, CellGrid { side, .. })), false) = (&self.image, &self.key, self.empty.is_empty()) {
             self.image = Some(image(gpu, uploads, *side, &distances(&self.empty, *side as usize))?);
         }
         Ok(self.image.clone())
     }
 
     /// The tiles that slices of a picture are drawn in, within areas of it.
-    pub(crate) fn tiles(&self, shot: &Shot<'_>, within: &[Area]) -> Tiles {
+    pub(crate) fn tiles(&self, shot: &FrameContext<'_>, within: &[Area]) -> Tiles {
         match &self.key {
             Some((_, boxes)) if self.serve && !self.empty.is_empty() => {
                 slice_tiles::tiles(shot, boxes, &self.empty, within)
@@ -222,7 +222,7 @@ pub fn link(variant: &Variant, scene: &Scene, library: &Library) -> Result<(), V
 }
 
 /// Whether a picture is drawn sooner where cells are known to be empty: by all rays whose program asks for them.
-fn serve(shot: &Shot<'_>, library: &Library) -> bool {
+fn serve(shot: &FrameContext<'_>, library: &Library) -> bool {
     shot.scene.quality.pass == Pass::March || shot.scene.has_tiles(library)
 }
 
@@ -233,7 +233,7 @@ pub(crate) fn image(gpu: &Gpu, uploads: &Uploads, side: u32, texels: &[u8]) -> R
 
 /// Cells along a side that pay for a picture on a device, which may be the processor; it may be the first of a program, and
 /// so many share them. 0 for none.
-pub(super) fn side(is_cpu: bool, shot: &Shot<'_>, texels: u64, is_first: bool, pictures: u32) -> u32 {
+pub(super) fn side(is_cpu: bool, shot: &FrameContext<'_>, texels: u64, is_first: bool, pictures: u32) -> u32 {
     let scene = shot.scene;
     let [width, height] = shot.whole.map(f64::from);
     let samples =
@@ -252,7 +252,7 @@ pub(super) fn side(is_cpu: bool, shot: &Shot<'_>, texels: u64, is_first: bool, p
 }
 
 /// About which part of the samples is not shown to be empty by the distance to the objects, which rays alone ask for.
-fn unskipped(shot: &Shot<'_>) -> f64 {
+fn unskipped(shot: &FrameContext<'_>) -> f64 {
     if shot.scene.quality.pass == Pass::Slices {
         return 1.0;
     }

@@ -8,10 +8,10 @@ mod slice_tiles;
 mod tiles;
 mod time_span;
 
-pub(crate) use background::Beside;
+pub(crate) use background::BackgroundCells;
 pub use bounded_noise::{LOOKED_UP, bounded};
-pub(crate) use grid::{Cells, image};
-pub use grid::{Found, link};
+pub use grid::{CellStats, link};
+pub(crate) use grid::{EmptyCells, image};
 pub(crate) use tiles::Tiles;
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 use super::bounded_noise;
 use crate::eval::{self, Device, Interval, Outline};
 use crate::noise::Lattice;
-use crate::render::camera::Shot;
+use crate::render::camera::FrameContext;
 use crate::render::error::RenderError;
 use crate::render::inputs::{ImageInfo, Inputs, TIME, Values, blocks, texture, wrap};
 use crate::render::variant::{OCTAVES_ID, Program, Resource, Variant, VariantError};
@@ -47,18 +47,18 @@ const KIND: Kind = Kind { ends: &["cells"], limit: 64 << 20 };
 const VERSION: u32 = 2;
 
 /// What decides, made for the first picture that it pays for.
-pub(super) enum Decider {
+pub(super) enum CellProver {
     /// Not made yet; its images have at least so many texels.
-    Unmade(u64),
+    Idle(u64),
     /// It reads its images, which have so many texels, on a thread of its own: a part of a second.
-    Coming(u64, Option<JoinHandle<Result<Bounded, RenderError>>>),
-    Made(Box<Bounded>),
+    Loading(u64, Option<JoinHandle<Result<BoundedProgram, RenderError>>>),
+    Ready(Box<BoundedProgram>),
     /// There are no bounds, and why.
-    Unbounded(String),
+    Unavailable(String),
 }
 
 /// A program that says where matter is, and what it reads.
-pub(super) struct Bounded {
+pub(super) struct BoundedProgram {
     pub(super) reads: Arc<Reads>,
     pub(super) code: eval::Program,
     outline: Outline,
@@ -77,7 +77,7 @@ pub(super) struct Reads {
 
 /// A box in object space and how it is divided.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Boxes {
+pub(super) struct CellGrid {
     low: [f64; 3],
     high: [f64; 3],
     /// Cells along each side, a power of two.
@@ -99,22 +99,22 @@ pub(super) fn deciding(
     }
 }
 
-impl Decider {
+impl CellProver {
     /// For the program of a shot, if it `pays` to read so many texels of images.
     pub(super) fn new(
         library: &Library,
-        shot: &Shot<'_>,
+        shot: &FrameContext<'_>,
         image_of: &dyn Fn(&str) -> Option<ImageInfo>,
         pays: impl Fn(u64) -> bool,
-    ) -> Result<Decider, RenderError> {
+    ) -> Result<CellProver, RenderError> {
         let (program, noise) = match deciding(shot.variant, shot.scene, library) {
             Ok(deciding) => deciding,
-            Err(error) => return Ok(Decider::Unbounded(error.to_string())),
+            Err(error) => return Ok(CellProver::Unavailable(error.to_string())),
         };
         let octaves = [(OCTAVES_ID, shot.scene.effect.octaves)];
         let code = match eval::Program::read_channel(&program.fragment, &octaves, (0, 3)) {
             Ok(code) => code,
-            Err(error) => return Ok(Decider::Unbounded(error.to_string())),
+            Err(error) => return Ok(CellProver::Unavailable(error.to_string())),
         };
         let outline = code.outline();
         let is_read = |binding: &u32| outline.images.iter().any(|(image, _)| image == binding);
@@ -123,31 +123,31 @@ impl Decider {
         let read: Vec<ImageInfo> = read.filter_map(|resource| image_of(&resource.name)).collect();
         if let Some(image) = read.iter().find(|image| (image.channels, image.bits) == (4, 8)) {
             let why = format!("the {} has 8 bits, and so have its interpolated values on some devices", image.name);
-            return Ok(Decider::Unbounded(why));
+            return Ok(CellProver::Unavailable(why));
         }
         let texels = read.iter().map(|image| image.size.map(u64::from).iter().product::<u64>()).sum();
         if texels > MOST_TEXELS {
             let why = format!("its images have {texels} texels, and bounds read at most {MOST_TEXELS}");
-            return Ok(Decider::Unbounded(why));
+            return Ok(CellProver::Unavailable(why));
         }
         if !pays(texels) {
-            return Ok(Decider::Unmade(texels));
+            return Ok(CellProver::Idle(texels));
         }
         let (library, subject, variant) = (library.clone(), shot.subject.clone(), shot.variant.clone());
         let (scene, whole) = (shot.scene.clone(), shot.whole);
         let read = move || {
-            let shot = Shot { whole, ..Shot::of(&scene, &subject, &variant) };
-            Bounded::new(&library, &shot, (program, code, outline), (texels, noise))
+            let shot = FrameContext { whole, ..FrameContext::of(&scene, &subject, &variant) };
+            BoundedProgram::new(&library, &shot, (program, code, outline), (texels, noise))
         };
         Ok(match thread::Builder::new().stack_size(STACK).spawn(read) {
-            Ok(thread) => Decider::Coming(texels, Some(thread)),
-            Err(error) => Decider::Unbounded(format!("no thread reads its images: {error}")),
+            Ok(thread) => CellProver::Loading(texels, Some(thread)),
+            Err(error) => CellProver::Unavailable(format!("no thread reads its images: {error}")),
         })
     }
 
     /// Waits until it has read its images; ends where it is to `stop`.
     pub(super) fn wait(&mut self, stop: &dyn Fn() -> bool) -> Result<(), RenderError> {
-        let Decider::Coming(_, thread) = self else { return Ok(()) };
+        let CellProver::Loading(_, thread) = self else { return Ok(()) };
         while thread.as_ref().is_some_and(|thread| !thread.is_finished()) {
             if stop() {
                 return Err(RenderError::Stopped);
@@ -155,22 +155,22 @@ impl Decider {
             thread::sleep(LOOK);
         }
         match thread.take().map(JoinHandle::join) {
-            Some(Ok(bounded)) => *self = Decider::Made(Box::new(bounded?)),
+            Some(Ok(bounded)) => *self = CellProver::Ready(Box::new(bounded?)),
             Some(Err(reason)) => std::panic::resume_unwind(reason),
-            None => *self = Decider::Unmade(0),
+            None => *self = CellProver::Idle(0),
         }
         Ok(())
     }
 }
 
-impl Bounded {
+impl BoundedProgram {
     /// Reads the images of a program, which have so many texels, beside the noise that it looks up.
     fn new(
         library: &Library,
-        shot: &Shot<'_>,
+        shot: &FrameContext<'_>,
         (mut program, code, outline): (Program, eval::Program, Outline),
         (texels, noise): (u64, Option<Lattice>),
-    ) -> Result<Bounded, RenderError> {
+    ) -> Result<BoundedProgram, RenderError> {
         let is_noise = |resource: &&mut Resource| noise.is_some() && resource.name == bounded_noise::LOOKED_UP;
         let place = program.resources.iter_mut().find(is_noise).map(|resource| resource.binding);
         program.resources.retain(|resource| Some(resource.binding) != place);
@@ -192,7 +192,7 @@ impl Bounded {
         let noises = place.zip(noise).into_iter().collect();
         let inputs = eval::Inputs { images, samplers, noises, ..eval::Inputs::default() };
         let reads = Arc::new(Reads { members: program.members_read(), program });
-        Ok(Bounded { reads, code, outline, inputs, texels, hash })
+        Ok(BoundedProgram { reads, code, outline, inputs, texels, hash })
     }
 
     /// Sets what the program reads beside images, from a time on until another; what depends on it at the first, in bits.
@@ -205,11 +205,11 @@ impl Bounded {
         Ok(self.code.values(&self.outline, &self.inputs.blocks)?)
     }
 
-    /// Which cells are proven to be empty by what [`Bounded::fill`] gave, and whether that was kept on disk, where proofs of
+    /// Which cells are proven to be empty by what [`BoundedProgram::fill`] gave, and whether that was kept on disk, where proofs of
     /// one time are; none where it was to `stop`.
     pub(super) fn proven(
         &self,
-        boxes: &Boxes,
+        boxes: &CellGrid,
         read: &[u64],
         stop: &dyn Fn() -> bool,
     ) -> Result<Option<(Vec<bool>, bool)>, eval::ExactError> {
@@ -230,12 +230,16 @@ impl Bounded {
     }
 
     /// The hash of all that the proofs depend on.
-    pub(super) fn key(&self, boxes: &Boxes, read: &[u64]) -> blake3::Hash {
+    pub(super) fn key(&self, boxes: &CellGrid, read: &[u64]) -> blake3::Hash {
         blake3::hash(format!("{VERSION} {:?} {boxes:?} {read:?}", self.hash).as_bytes())
     }
 
     /// Which cells are proven to be empty, x fastest; none where it was to `stop`.
-    pub(super) fn empty(&self, boxes: &Boxes, stop: &dyn Fn() -> bool) -> Result<Option<Vec<bool>>, eval::ExactError> {
+    pub(super) fn empty(
+        &self,
+        boxes: &CellGrid,
+        stop: &dyn Fn() -> bool,
+    ) -> Result<Option<Vec<bool>>, eval::ExactError> {
         let bound = self.code.bind(&self.inputs)?;
         let mut empty = vec![false; (boxes.side as usize).pow(3)];
         let mut side = SIDES[0].min(boxes.side);
@@ -311,21 +315,21 @@ fn children(cell: [u32; 3], count: u32) -> impl Iterator<Item = [u32; 3]> {
     (0..count.pow(3)).map(move |k| [first[0] + k % count, first[1] + k / count % count, first[2] + k / count.pow(2)])
 }
 
-impl Boxes {
-    pub(super) fn of(shot: &Shot<'_>, side: u32) -> Boxes {
+impl CellGrid {
+    pub(super) fn of(shot: &FrameContext<'_>, side: u32) -> CellGrid {
         let [low, high] = [shot.view.box_min, shot.view.box_max].map(|end| end.to_array().map(f64::from));
         let far = f64::from(shot.view.reaches()[1]);
         let margin = [0, 1, 2].map(|axis| MARGIN * (high[axis] - low[axis]) / f64::from(side.max(1)) + PLACE * far);
-        Boxes { low, high, side, margin }
+        CellGrid { low, high, side, margin }
     }
 
     /// The same with cells that are taken larger: for cameras that are up to so many times as far, and more.
-    pub(super) fn wider(self, times: f64) -> Boxes {
-        Boxes { margin: self.margin.map(|margin| times * margin), ..self }
+    pub(super) fn wider(self, times: f64) -> CellGrid {
+        CellGrid { margin: self.margin.map(|margin| times * margin), ..self }
     }
 
     /// Whether what is proven for these holds for others.
-    pub(super) fn hold_for(&self, other: &Boxes) -> bool {
+    pub(super) fn hold_for(&self, other: &CellGrid) -> bool {
         let wide = self.margin.iter().zip(&other.margin).all(|(own, other)| own >= other);
         wide && (self.low, self.high, self.side) == (other.low, other.high, other.side)
     }

@@ -2,10 +2,10 @@
 //!
 //! Role: which cells are empty -> the tiles that slices are drawn in. Invariant: what lies in none has no matter in that slice.
 
-use super::prover::Boxes;
+use super::prover::CellGrid;
 use super::tiles::{SIDE, Tiles};
 use crate::gpu::Area;
-use crate::render::camera::Shot;
+use crate::render::camera::FrameContext;
 use crate::scene::Order;
 use glam::{Mat4, Vec2, Vec3};
 use std::ops::Range;
@@ -18,7 +18,7 @@ const MARGIN: f32 = 1.5;
 const REACH: f32 = 0.75;
 
 /// Where cells that are not `empty` meet the slices of a shot, within areas of its picture.
-pub(super) fn tiles(shot: &Shot<'_>, boxes: &Boxes, empty: &[bool], within: &[Area]) -> Tiles {
+pub(super) fn tiles(shot: &FrameContext<'_>, boxes: &CellGrid, empty: &[bool], within: &[Area]) -> Tiles {
     let (planes, side) = (&shot.planes, boxes.side);
     let alike = (planes.count / (GROUPS * side)).max(1);
     let [columns, rows] = shot.scene.image.size.map(|side| side.div_ceil(SIDE) as usize);
@@ -64,7 +64,7 @@ struct Seen {
 }
 
 impl Seen {
-    fn of(shot: &Shot<'_>) -> Seen {
+    fn of(shot: &FrameContext<'_>) -> Seen {
         let view = &shot.view;
         Seen {
             object_matrix: view.object_matrix,

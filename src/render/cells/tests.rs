@@ -2,12 +2,12 @@
 
 use super::bounded_noise as ranged;
 use super::grid::distances;
-use super::prover::{Bounded, packed, unpacked};
-use super::prover::{Boxes, Decider};
+use super::prover::{BoundedProgram, packed, unpacked};
+use super::prover::{CellGrid, CellProver};
 use super::slice_tiles as cover;
 use crate::eval;
 use crate::gpu::Area;
-use crate::render::camera::Shot;
+use crate::render::camera::FrameContext;
 use crate::render::camera::SubFrame;
 use crate::render::error::RenderError;
 use crate::render::inputs::{CELLS, ImageInfo, TIME, Values};
@@ -37,12 +37,12 @@ fn a_cell_knows_how_far_it_is_to_the_next_that_may_hold_matter() {
 }
 
 /// Sets what is read at one time.
-fn fill(bounded: &mut Bounded, values: &Values) -> Vec<u64> {
+fn fill(bounded: &mut BoundedProgram, values: &Values) -> Vec<u64> {
     bounded.fill(values, [values[TIME][0]; 2]).unwrap()
 }
 
 /// What decides, waited for.
-pub(super) fn decider(library: &Library, shot: &Shot<'_>, pays: impl Fn(u64) -> bool) -> Decider {
+pub(super) fn decider(library: &Library, shot: &FrameContext<'_>, pays: impl Fn(u64) -> bool) -> CellProver {
     let program = shot.variant.program(library, Linker::new).unwrap();
     let images = Inputs::new(library, shot, &program, &|_| ()).unwrap().images;
     let image_of = |name: &str| {
@@ -52,7 +52,7 @@ pub(super) fn decider(library: &Library, shot: &Shot<'_>, pays: impl Fn(u64) -> 
         let (name, channels, bytes) = (image.name.into(), image.format.channels(), image.bytes().len() as u64);
         Some(Read { name, size: image.dimension.size(), channels, bits, bytes })
     };
-    let mut decider = Decider::new(library, shot, &image_of, pays).unwrap();
+    let mut decider = CellProver::new(library, shot, &image_of, pays).unwrap();
     decider.wait(&|| false).unwrap();
     decider
 }
@@ -63,14 +63,14 @@ fn what_decides_is_made_where_it_pays() {
     scene.object.resolution = 32;
     let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
     let variant = Variant::of(&scene, &library).unwrap();
-    let shot = Shot::of(&scene, &subject, &variant);
+    let shot = FrameContext::of(&scene, &subject, &variant);
     let voxels = subject.field.as_ref().unwrap().grid.size.iter().map(|side| u64::from(*side)).product();
     for pays in [false, true] {
         match decider(&library, &shot, |texels| pays && texels >= voxels) {
-            Decider::Unmade(texels) => assert!(!pays && texels >= voxels, "{texels} of {voxels}"),
-            Decider::Made(made) => assert!(pays && made.texels >= voxels),
-            Decider::Coming(..) => panic!("it was waited for"),
-            Decider::Unbounded(why) => panic!("{why}"),
+            CellProver::Idle(texels) => assert!(!pays && texels >= voxels, "{texels} of {voxels}"),
+            CellProver::Ready(made) => assert!(pays && made.texels >= voxels),
+            CellProver::Loading(..) => panic!("it was waited for"),
+            CellProver::Unavailable(why) => panic!("{why}"),
         }
     }
 }
@@ -81,17 +81,17 @@ fn cells_end_where_something_else_is_to_be_done() {
     scene.object.resolution = 32;
     let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
     let variant = Variant::of(&scene, &library).unwrap();
-    let shot = Shot::of(&scene, &subject, &variant);
-    let mut decider = Decider::new(&library, &shot, &|_| None, |_| true).unwrap();
+    let shot = FrameContext::of(&scene, &subject, &variant);
+    let mut decider = CellProver::new(&library, &shot, &|_| None, |_| true).unwrap();
     // It may be sooner than that; it goes on in any case.
     let stopped = matches!(decider.wait(&|| true), Err(RenderError::Stopped));
-    assert_eq!(matches!(decider, Decider::Coming(..)), stopped);
+    assert_eq!(matches!(decider, CellProver::Loading(..)), stopped);
     decider.wait(&|| false).unwrap();
-    let Decider::Made(mut bounded) = decider else { panic!("no bounds") };
+    let CellProver::Ready(mut bounded) = decider else { panic!("no bounds") };
     let program = variant.program(&library, Linker::new).unwrap();
     let inputs = Inputs::new(&library, &shot, &program, &|_| ()).unwrap();
     fill(&mut bounded, &inputs.stored().values(&shot, &SubFrame::all(&scene).next().unwrap()));
-    let boxes = Boxes::of(&shot, 8);
+    let boxes = CellGrid::of(&shot, 8);
     assert!(bounded.empty(&boxes, &|| true).unwrap().is_none());
     assert!(bounded.empty(&boxes, &|| false).unwrap().is_some());
 }
@@ -117,11 +117,11 @@ fn judge(scene: &Scene, side: u32, random: &mut SplitMix, samples: usize) -> (us
     let variant = Variant::of(scene, &library).unwrap();
     let program = variant.program(&library, Linker::new).unwrap();
     assert!(program.reads(CELLS), "{}", variant.key());
-    let shot = Shot::of(scene, &subject, &variant);
+    let shot = FrameContext::of(scene, &subject, &variant);
     let inputs = Inputs::new(&library, &shot, &program, &|_| ()).unwrap();
-    let Decider::Made(mut bounded) = decider(&library, &shot, |_| true) else { panic!("{}", variant.key()) };
+    let CellProver::Ready(mut bounded) = decider(&library, &shot, |_| true) else { panic!("{}", variant.key()) };
     fill(&mut bounded, &inputs.stored().values(&shot, &SubFrame::all(scene).next().unwrap()));
-    let boxes = Boxes::of(&shot, side);
+    let boxes = CellGrid::of(&shot, side);
     let empty = bounded.empty(&boxes, &|| false).unwrap().unwrap();
     let which: Vec<u32> = (0..side.pow(3)).filter(|&index| empty[index as usize]).collect();
     if which.is_empty() {
@@ -149,11 +149,11 @@ fn proofs_are_kept_under_all_that_they_depend_on() {
         let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
         let variant = Variant::of(&scene, &library).unwrap();
         let program = variant.program(&library, Linker::new).unwrap();
-        let shot = Shot::of(&scene, &subject, &variant);
+        let shot = FrameContext::of(&scene, &subject, &variant);
         let inputs = Inputs::new(&library, &shot, &program, &|_| ()).unwrap();
-        let Decider::Made(mut bounded) = decider(&library, &shot, |_| true) else { panic!("no bounds") };
+        let CellProver::Ready(mut bounded) = decider(&library, &shot, |_| true) else { panic!("no bounds") };
         let read = fill(&mut bounded, &inputs.stored().values(&shot, &SubFrame::all(&scene).next().unwrap()));
-        (bounded, read, Boxes::of(&shot, 8))
+        (bounded, read, CellGrid::of(&shot, 8))
     };
     let (bounded, read, boxes) = made(&|_| ());
     let key = bounded.key(&boxes, &read);
@@ -218,13 +218,13 @@ fn m61_noise_that_bounds_look_up_is_the_noise_that_is_computed() {
         assert!(compute_noise(&mut scene, &library, of), "{name}, {of:?}");
         let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
         let variant = Variant::of(&scene, &library).unwrap();
-        let shot = Shot::of(&scene, &subject, &variant);
+        let shot = FrameContext::of(&scene, &subject, &variant);
         let program = variant.program(&library, Linker::new).unwrap();
         let inputs = Inputs::new(&library, &shot, &program, &|_| ()).unwrap();
-        let Decider::Made(mut bounded) = decider(&library, &shot, |_| true) else { panic!("{name}") };
+        let CellProver::Ready(mut bounded) = decider(&library, &shot, |_| true) else { panic!("{name}") };
         fill(&mut bounded, &inputs.stored().values(&shot, &SubFrame::all(&scene).next().unwrap()));
         assert!(!bounded.inputs.noises.is_empty(), "{name}, {of:?}");
-        let whole = Boxes::of(&shot, 1).cell([0; 3], 1);
+        let whole = CellGrid::of(&shot, 1).cell([0; 3], 1);
         let places = (0..20_000).map(|_| whole.map(|range| range.lo + (range.hi - range.lo) * random.unit())).collect();
         let lanes = eval::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places)].into() };
         let looked_up = bounded.code.bind(&bounded.inputs).unwrap().run::<f64>(&lanes).unwrap();
@@ -352,9 +352,9 @@ fn m61_slices_have_tiles_where_cells_may_hold_matter_and_few_elsewhere() {
         change(&mut scene);
         let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
         let variant = Variant::of(&scene, &library).unwrap();
-        let shot = Shot::of(&scene, &subject, &variant);
+        let shot = FrameContext::of(&scene, &subject, &variant);
         let (side, view, planes) = (16, &shot.view, shot.planes);
-        let boxes = Boxes::of(&shot, side);
+        let boxes = CellGrid::of(&shot, side);
         // A ball of cells in a corner.
         let away =
             |index: u32| [index % side, index / side % side, index / side / side].map(|at| (at as f32 - 4.0).powi(2));

@@ -12,7 +12,7 @@ const KEPT: f32 = 0.95;
 
 /// For which pictures proofs hold, and for how many the next ones are made.
 #[derive(Debug, Default)]
-pub(super) struct Span {
+pub(super) struct TimeSpan {
     /// What the proofs depend on but for the time.
     timeless: Vec<u8>,
     /// From when to when they hold, seconds.
@@ -27,7 +27,7 @@ pub(super) struct Span {
     at_once: f32,
 }
 
-impl Span {
+impl TimeSpan {
     /// Whether the proofs hold for a picture that depends on this and on its time.
     pub(super) fn holds(&mut self, timeless: &[u8], time: f32) -> bool {
         let holds = self.timeless == timeless && self.times[0] <= time && time <= self.times[1];
@@ -75,7 +75,7 @@ mod tests {
 
     /// How many proofs so many pictures take, of which the part that is empty falls with the length of an interval.
     fn proofs(pictures: usize, step: f32, end: f32, empty: impl Fn(f32) -> f32) -> usize {
-        let mut span = Span::default();
+        let mut span = TimeSpan::default();
         let times = (0..pictures).map(|index| 0.3 + step * index as f32);
         times
             .filter(|&time| {
@@ -101,7 +101,7 @@ mod tests {
 
     #[test]
     fn proofs_hold_for_nothing_but_their_own_picture_at_other_times() {
-        let mut span = Span::default();
+        let mut span = TimeSpan::default();
         let times = span.next(b"a", 1.0, 2.0);
         assert_eq!(times, [1.0; 2], "no picture came before");
         span.take(b"a".to_vec(), times, 0.5);

@@ -1,9 +1,9 @@
 //! Cells that are called empty from one time on until another are so at each time between.
 
-use super::prover::{Bounded, Boxes, Decider};
+use super::prover::{BoundedProgram, CellGrid, CellProver};
 use super::tests::{decider, drawn};
 use crate::eval;
-use crate::render::camera::{Shot, SubFrame};
+use crate::render::camera::{FrameContext, SubFrame};
 use crate::render::inputs::{Inputs, Values};
 use crate::render::subject::Subject;
 use crate::render::variant::Variant;
@@ -21,21 +21,21 @@ const SAMPLES: usize = 20_000;
 struct Made {
     subject: Subject,
     variant: Variant,
-    bounded: Box<Bounded>,
+    bounded: Box<BoundedProgram>,
     values: Values,
     /// Of [`SIDE`] cells along a side, and of one.
-    boxes: [Boxes; 2],
+    boxes: [CellGrid; 2],
 }
 
 fn made(scene: &Scene, library: &Library) -> Made {
     let subject = Subject::load(scene, library, &|_| ()).unwrap();
     let variant = Variant::of(scene, library).unwrap();
     let program = variant.program(library, Linker::new).unwrap();
-    let shot = Shot::of(scene, &subject, &variant);
+    let shot = FrameContext::of(scene, &subject, &variant);
     let inputs = Inputs::new(library, &shot, &program, &|_| ()).unwrap();
-    let Decider::Made(bounded) = decider(library, &shot, |_| true) else { panic!("{}", variant.key()) };
+    let CellProver::Ready(bounded) = decider(library, &shot, |_| true) else { panic!("{}", variant.key()) };
     let values = inputs.stored().values(&shot, &SubFrame::all(scene).next().unwrap());
-    let boxes = [SIDE, 1].map(|side| Boxes::of(&shot, side));
+    let boxes = [SIDE, 1].map(|side| CellGrid::of(&shot, side));
     Made { subject, variant, bounded, values, boxes }
 }
 

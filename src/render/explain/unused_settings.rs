@@ -8,9 +8,9 @@
 use crate::eval::{self, Outline};
 use crate::field::Key;
 use crate::noise::Period;
-use crate::render::camera::{Shot, SubFrame};
+use crate::render::camera::{FrameContext, SubFrame};
 use crate::render::error::RenderError;
-use crate::render::frame::Marks;
+use crate::render::frame::OpaqueMask;
 use crate::render::inputs::{CELLS, Filter, SHADOW, StoredObjects, blocks, image_key};
 use crate::render::subject::{Recipe, Subject, Wanted, opened};
 use crate::render::variant::{OCTAVES_ID, Program, Variant};
@@ -37,7 +37,7 @@ const VERTEX_VALUES: [&str; 7] =
 ///
 /// A scene that has no program has no such fields, and what cannot be decided is none.
 pub fn ignored(library: &Library, subject: &Subject, base: &Scene, scene: &Scene) -> Vec<String> {
-    let mut judge = Judge::new(library, subject);
+    let mut judge = PictureComparer::new(library, subject);
     let before: HashMap<String, String> =
         base.fields().into_iter().map(|(name, value)| (name, value.to_string())).collect();
     let set = scene.fields().into_iter().map(|(name, value)| (name, value.to_string()));
@@ -61,7 +61,7 @@ pub fn ignored(library: &Library, subject: &Subject, base: &Scene, scene: &Scene
 /// gone; a value that chooses another program is taken to change the picture. Settings of how it is drawn (`quality`, `image`) are never named, nor is text. `is_over` ends
 /// it early, with none.
 pub fn idle(library: &Library, subject: &Subject, scene: &Scene, is_over: &dyn Fn() -> bool) -> Vec<String> {
-    let mut judge = Judge::new(library, subject);
+    let mut judge = PictureComparer::new(library, subject);
     let (Ok(variant), Ok(own)) = (Variant::of(scene, library), judge.essence(scene)) else { return Vec::new() };
     let values: HashMap<String, String> =
         scene.fields().into_iter().map(|(name, value)| (name, value.to_string())).collect();
@@ -100,7 +100,7 @@ pub fn idle(library: &Library, subject: &Subject, scene: &Scene, is_over: &dyn F
 
 /// Whether scenes of one subject all have the same picture.
 pub fn all_alike(library: &Library, subject: &Subject, mut scenes: impl Iterator<Item = Scene>) -> bool {
-    let mut judge = Judge::new(library, subject);
+    let mut judge = PictureComparer::new(library, subject);
     let first = scenes.next().and_then(|first| Some((judge.essence(&first).ok()?, first)));
     first.is_some_and(|(own, first)| scenes.all(|other| judge.same_picture(&first, own, &other)))
 }
@@ -127,7 +127,7 @@ fn others(library: &Library, setting: &Setting, value: &str) -> Vec<String> {
 }
 
 /// What programs do, each linked once, and the shapes of objects, each read once.
-struct Judge<'a> {
+struct PictureComparer<'a> {
     library: &'a Library,
     subject: &'a Subject,
     programs: HashMap<(String, u32), Rc<Read>>,
@@ -141,9 +141,9 @@ struct Read {
     outline: Option<(eval::Program, Outline)>,
 }
 
-impl<'a> Judge<'a> {
-    fn new(library: &'a Library, subject: &'a Subject) -> Judge<'a> {
-        Judge { library, subject, programs: HashMap::new(), shapes: HashMap::new() }
+impl<'a> PictureComparer<'a> {
+    fn new(library: &'a Library, subject: &'a Subject) -> PictureComparer<'a> {
+        PictureComparer { library, subject, programs: HashMap::new(), shapes: HashMap::new() }
     }
 
     /// Whether another scene has the picture of a scene, whose essence is `own`. What cannot be decided has another.
@@ -209,7 +209,7 @@ impl<'a> Judge<'a> {
             *wrap = vec!["repeat".into()];
             read = self.read(scene, &variant)?;
         }
-        let shot = Shot::of(scene, self.subject, &variant);
+        let shot = FrameContext::of(scene, self.subject, &variant);
         let stored = StoredObjects::none(&shot.view);
         let values = |frame: SubFrame| stored.values(&shot, &frame);
         let moments: Vec<_> = SubFrame::all(scene).map(values).collect();
@@ -245,7 +245,7 @@ impl<'a> Judge<'a> {
         if *pass == Pass::Slices {
             add(format!("{order:?} {proxy:?} {:?} {:?} {:?}", shot.planes, shot.view.extent, shot.view.axis));
             add(format!("{:?} {}", read.program.vertex, scene.camera.slice_stack));
-            if Marks::serve(scene) {
+            if OpaqueMask::serve(scene) {
                 add(format!("{early_termination}"));
             }
             for values in &moments {

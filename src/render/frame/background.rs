@@ -1,8 +1,8 @@
 //! What the next scene of a host needs, made while the host draws something else.
 
-use super::prepared::{Destination, Made, Prepared};
+use super::prepared::{Destination, Prepared, Reusable};
 use crate::gpu::Gpu;
-use crate::render::camera::Shot;
+use crate::render::camera::FrameContext;
 use crate::render::error::RenderError;
 use crate::render::subject::Subject;
 use crate::render::variant::Variant;
@@ -11,7 +11,7 @@ use crate::shader::Library;
 use std::thread::{self, JoinHandle};
 
 /// What pictures of a scene need that goes into a host's images, being made by a thread that submits nothing.
-pub(crate) struct Coming {
+pub(crate) struct BackgroundPrepare {
     scene: Scene,
     variant: Variant,
     destination: Destination,
@@ -19,19 +19,19 @@ pub(crate) struct Coming {
     thread: Option<JoinHandle<Result<Prepared, RenderError>>>,
 }
 
-impl Coming {
+impl BackgroundPrepare {
     /// Begins, with what is `made` already.
     pub(crate) fn new(
         (gpu, library, subject): (Gpu, Library, Subject),
         (scene, variant, destination): (Scene, Variant, Destination),
-        made: Made,
-    ) -> Coming {
+        made: Reusable,
+    ) -> BackgroundPrepare {
         let (own, modules) = (scene.clone(), variant.clone());
         let make = move || {
-            let shot = Shot::of(&own, &subject, &modules);
+            let shot = FrameContext::of(&own, &subject, &modules);
             Prepared::new(&gpu, &library, &shot, destination, made, &|_| ())
         };
-        Coming { scene, variant, destination, thread: Some(thread::spawn(make)) }
+        BackgroundPrepare { scene, variant, destination, thread: Some(thread::spawn(make)) }
     }
 
     /// Whether it is made, or has failed.
@@ -57,7 +57,7 @@ impl Coming {
     }
 }
 
-impl Drop for Coming {
+impl Drop for BackgroundPrepare {
     /// Waits: what is made is made from a device that may be the host's, and must be gone before that.
     fn drop(&mut self) {
         if let Some(thread) = self.thread.take() {

@@ -1,9 +1,9 @@
 //! What a program reads, on the device: blocks written, images uploaded.
 
 use crate::gpu::{self, Buffer, BufferUse, Gpu, Image, Sampler, Uploads};
-use crate::render::camera::{Shot, SubFrame};
+use crate::render::camera::{FrameContext, SubFrame};
 use crate::render::cells;
-use crate::render::cells::{Beside, Cells, Found, Tiles};
+use crate::render::cells::{BackgroundCells, CellStats, EmptyCells, Tiles};
 use crate::render::error::RenderError;
 use crate::render::inputs::{CELLS, Encoded, Filter, ImageInfo, Inputs, Sparse, StoredObjects, Values, blocks};
 use crate::render::variant::{OCTAVES_ID, Program, Resource, Use};
@@ -23,9 +23,9 @@ pub(crate) struct BoundInputs {
     /// Images whose texels are not copied yet.
     pub(crate) uploads: Uploads,
     /// What decides which cells are empty, where the program reads that.
-    cells: Option<Cells>,
+    cells: Option<EmptyCells>,
     /// The same for pictures that are recorded for a host.
-    beside: Beside,
+    beside: BackgroundCells,
     /// One cell, which may hold matter, where the program reads cells.
     open: Option<Arc<Image>>,
     /// What was written into the blocks last.
@@ -55,7 +55,7 @@ impl BoundInputs {
         let sampler = |(binding, filter): &(u32, Filter)| {
             Ok((*binding, Arc::new(Sampler::new(gpu, filter.address, filter.anisotropy)?)))
         };
-        let cells = (is_cut || program.reads(CELLS)).then(|| Cells::new(library));
+        let cells = (is_cut || program.reads(CELLS)).then(|| EmptyCells::new(library));
         Ok(BoundInputs {
             blocks: Vec::new(),
             images: inputs.images.iter().map(upload).collect::<Result<_, RenderError>>()?,
@@ -66,7 +66,7 @@ impl BoundInputs {
             open: program.reads(CELLS).then(|| cells::image(gpu, &uploads, 1, &[0])).transpose()?,
             uploads,
             cells,
-            beside: Beside::new(library),
+            beside: BackgroundCells::new(library),
             values: Values::new(),
         })
     }
@@ -76,13 +76,13 @@ impl BoundInputs {
         &mut self,
         gpu: &Gpu,
         program: &Program,
-        shot: &Shot<'_>,
+        shot: &FrameContext<'_>,
         sub_frame: &SubFrame,
         stop: &dyn Fn() -> bool,
     ) -> Result<(), RenderError> {
         self.set_blocks(gpu, program, shot, sub_frame)?;
         let image_of = |name: &str| image_of(program, &self.images, name);
-        let update = |cells: &mut Cells| cells.update(gpu, shot, &self.values, &image_of, stop);
+        let update = |cells: &mut EmptyCells| cells.update(gpu, shot, &self.values, &image_of, stop);
         self.cells.as_mut().map(update).transpose()?;
         if self.open.is_some() {
             let own = self.cells.as_mut().map(|cells| cells.image(gpu, &self.uploads)).transpose()?.flatten();
@@ -96,7 +96,7 @@ impl BoundInputs {
         &mut self,
         gpu: &Gpu,
         program: &Program,
-        shot: &Shot<'_>,
+        shot: &FrameContext<'_>,
         sub_frame: &SubFrame,
     ) -> Result<(), RenderError> {
         self.set_blocks(gpu, program, shot, sub_frame)?;
@@ -120,7 +120,7 @@ impl BoundInputs {
         &mut self,
         gpu: &Gpu,
         program: &Program,
-        shot: &Shot<'_>,
+        shot: &FrameContext<'_>,
         sub_frame: &SubFrame,
     ) -> Result<(), RenderError> {
         self.values = self.stored.values(shot, sub_frame);
@@ -129,12 +129,12 @@ impl BoundInputs {
     }
 
     /// Whether the cells of a picture can be found at once.
-    pub(crate) fn is_ready(&self, gpu: &Gpu, shot: &Shot<'_>) -> bool {
+    pub(crate) fn is_ready(&self, gpu: &Gpu, shot: &FrameContext<'_>) -> bool {
         self.cells.as_ref().is_none_or(|cells| cells.are_decided(gpu, shot))
     }
 
     /// The tiles that slices of the picture are drawn in, within areas of it.
-    pub(crate) fn tiles(&self, shot: &Shot<'_>, within: &[gpu::Area]) -> Tiles {
+    pub(crate) fn tiles(&self, shot: &FrameContext<'_>, within: &[gpu::Area]) -> Tiles {
         self.cells.as_ref().map_or_else(|| Tiles::everywhere(within), |cells| cells.tiles(shot, within))
     }
 
@@ -145,8 +145,8 @@ impl BoundInputs {
     }
 
     /// What was found of the cells of the picture.
-    pub(crate) fn cells(&self) -> Option<Found> {
-        self.cells.as_ref().and_then(Cells::found)
+    pub(crate) fn cells(&self) -> Option<CellStats> {
+        self.cells.as_ref().and_then(EmptyCells::found)
     }
 
     /// Largest error of a stored distance, units of its object; 0 for formulas.

@@ -4,10 +4,10 @@
 //! rays take the samples of the picture, which those of slices are too, and no program of a picture knows of it.
 
 use super::bind::BoundInputs;
-use super::submission_budget::{Cut, Pace};
+use super::submission_budget::{SubmissionBudget, SubmissionControl};
 use super::{bind, pass};
 use crate::gpu::{self, Area, BindSet, Dimension, Format, Gpu, Image, ImageUse, Pipeline, Target};
-use crate::render::camera::Shot;
+use crate::render::camera::FrameContext;
 use crate::render::error::RenderError;
 use crate::render::variant::{Program, Variant, VariantError};
 use crate::scene::{Pass, RayPath, Scene};
@@ -19,7 +19,7 @@ use std::sync::Arc;
 pub(crate) struct Depth {
     program: Program,
     pub(crate) pipeline: Arc<Pipeline>,
-    pace: Pace,
+    pace: SubmissionBudget,
 }
 
 /// Checks, before any work is done, that the pictures of a scene have a depth.
@@ -64,7 +64,7 @@ impl Depth {
         }
         let how = (gpu::Blend::Replace, gpu::Marks::None);
         let pipeline = bind::pipeline(gpu, &program, &scene, &[], Format::R32Float, 1, how)?;
-        Ok(Depth { program, pipeline: Arc::new(pipeline), pace: Pace::default() })
+        Ok(Depth { program, pipeline: Arc::new(pipeline), pace: SubmissionBudget::default() })
     }
 
     /// Binds the images of the picture and the values filled last.
@@ -77,7 +77,7 @@ impl Depth {
     pub(crate) fn draw(
         &mut self,
         gpu: &Gpu,
-        shot: &Shot<'_>,
+        shot: &FrameContext<'_>,
         bound: &BoundInputs,
         stop: &dyn Fn(f64) -> bool,
     ) -> Result<Vec<f32>, RenderError> {
@@ -85,7 +85,7 @@ impl Depth {
         let plane = Dimension::Plane(width, height);
         let image = Image::new(gpu, "depth", plane, Format::R32Float, ImageUse::Target(1))?;
         let (set, all) = (self.bind(gpu, bound)?, [Area::whole([width, height])]);
-        let mut cut = Cut { pace: &mut self.pace, stop };
+        let mut cut = SubmissionControl { pace: &mut self.pace, stop };
         pass::march(gpu, &self.pipeline, &set, (&all[..], shot.planes.count), Target::of(&image), &mut cut)?;
         Ok(image.read()?.into_iter().map(|[depth, ..]| depth).collect())
     }

@@ -22,13 +22,13 @@ const TARGET: &str = "target_image";
 const BATCHES: u32 = 16;
 
 /// What marks the pixels of a scene's pictures.
-pub(crate) struct Marks {
+pub(crate) struct OpaqueMask {
     program: Program,
     pipeline: Pipeline,
     pub(crate) image: Image,
 }
 
-impl Marks {
+impl OpaqueMask {
     /// Whether the slices of a scene end early: what is opaque hides what is drawn behind it, in each pixel alike. Slices that
     /// are taken apart, to be looked at from the side, hide others in other pixels.
     pub(crate) fn serve(scene: &Scene) -> bool {
@@ -38,11 +38,16 @@ impl Marks {
         quality.pass == pass && quality.order == order && quality.msaa == 1 && ends
     }
 
-    pub(crate) fn new(gpu: &Gpu, library: &Library, scene: &Scene, variant: &Variant) -> Result<Marks, RenderError> {
+    pub(crate) fn new(
+        gpu: &Gpu,
+        library: &Library,
+        scene: &Scene,
+        variant: &Variant,
+    ) -> Result<OpaqueMask, RenderError> {
         let program = variant.table(ENTRY, library)?.program(library, Linker::new)?;
         let pipeline =
             bind::pipeline(gpu, &program, scene, &[], Format::Depth16, 1, (gpu::Blend::Replace, gpu::Marks::Make))?;
-        Ok(Marks { program, pipeline, image: image(gpu, scene)? })
+        Ok(OpaqueMask { program, pipeline, image: image(gpu, scene)? })
     }
 
     /// Makes them as large as the pictures of a scene.
@@ -58,12 +63,12 @@ impl Marks {
         bound: &BoundInputs,
         target: &Arc<Image>,
         slices: u32,
-    ) -> Result<pass::Between<'a>, RenderError> {
+    ) -> Result<pass::BetweenSlices<'a>, RenderError> {
         let found = self.program.resources.iter().find(|resource| resource.name == TARGET);
         let mut resources = bound.with(&bind::buffers(gpu, &bound.blocks_of(&self.program)?)?);
         resources.extend(found.map(|resource| (resource.binding, Resource::Image(target.clone()))));
         let (pipeline, image, set) = (&self.pipeline, &self.image, self.pipeline.bind(&resources)?);
-        Ok(pass::Between::Marks { pipeline, set, image, every: slices.div_ceil(BATCHES).max(1) })
+        Ok(pass::BetweenSlices::Marks { pipeline, set, image, every: slices.div_ceil(BATCHES).max(1) })
     }
 }
 

@@ -7,10 +7,10 @@
 //! Source: GG 39.5.1; Kniss, Premoze, Hansen, Shirley and McPherson 2003. The chapter is cut: a reconstruction.
 
 use super::bind::BoundInputs;
-use super::submission_budget::Cut;
+use super::submission_budget::SubmissionControl;
 use super::{bind, pass};
 use crate::gpu::{self, Blend, Buffer, BufferUse, Dimension, Format, Gpu, Image, ImageUse, Pipeline};
-use crate::render::camera::{FLATTEST, Shot, View, axis, slant};
+use crate::render::camera::{FLATTEST, FrameContext, View, axis, slant};
 use crate::render::cells::Tiles;
 use crate::render::error::RenderError;
 use crate::render::inputs::{BEFORE, BEHIND};
@@ -98,12 +98,12 @@ impl HalfAngle {
     pub(crate) fn draw(
         &self,
         gpu: &Gpu,
-        shot: &Shot<'_>,
+        shot: &FrameContext<'_>,
         slices: &Slices<'_>,
         areas: &[gpu::Area],
         target: gpu::Target<'_>,
-        cut: &mut Cut<'_>,
-    ) -> Result<pass::Drawn, RenderError> {
+        cut: &mut SubmissionControl<'_>,
+    ) -> Result<pass::PassTiming, RenderError> {
         let Slices { pipeline, program, bound, vertices, stack } = *slices;
         let planes = &shot.planes;
         check(shot.scene, &shot.view)?;
@@ -132,7 +132,7 @@ impl HalfAngle {
             buffers: &self.buffers,
         };
         let sets = [of_eye(0)?, of_eye(1)?];
-        let between = pass::Between::Light(&light);
+        let between = pass::BetweenSlices::Light(&light);
         let places = (areas, &Tiles::everywhere(areas));
         pass::draw(gpu, pipeline, [&sets[0], &sets[1]], vertices, stack, places, target, &between, cut)
     }

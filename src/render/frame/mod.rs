@@ -13,7 +13,7 @@ mod shadow;
 mod submission_budget;
 
 pub use depth::check_depth;
-pub(crate) use early_exit::Marks;
+pub(crate) use early_exit::OpaqueMask;
 #[cfg(test)]
 pub(crate) use pass::stack;
 pub use pixels::put;

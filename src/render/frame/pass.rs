@@ -5,9 +5,9 @@
 //! Invariant: the vertices depend on the camera's distance and on the size of the scene, never on the rotation (MJ 3.3).
 //! Source: MJ 2, 3.3, 3.6 and Fig. 1; GG 39.6.1.
 
-use super::submission_budget::Cut;
+use super::submission_budget::SubmissionControl;
 use crate::gpu::{Area, BindSet, Buffer, Commands, Gpu, GpuError, Image, Load, Pipeline, Submitted, Target};
-use crate::render::camera::Planes;
+use crate::render::camera::SlicePlanes;
 use crate::render::cells::Tiles;
 use crate::render::error::RenderError;
 use crate::scene::{Order, Proxy};
@@ -28,7 +28,7 @@ pub struct Stack {
 
 /// A slice in each plane: quads as wide as the sphere of this radius, or polygons cut to the box in the vertex stage.
 /// `tint` colors a slice by its place in the stack, 0 at the camera to 1: linear RGBA.
-pub fn stack(planes: &Planes, radius: f32, proxy: Proxy, order: Order, tint: impl Fn(f32) -> [f32; 4]) -> Stack {
+pub fn stack(planes: &SlicePlanes, radius: f32, proxy: Proxy, order: Order, tint: impl Fn(f32) -> [f32; 4]) -> Stack {
     let mut drawn: Vec<u32> = (0..planes.count).collect();
     if order == Order::BackToFront {
         drawn.reverse();
@@ -68,7 +68,7 @@ pub fn attributes(proxy: Proxy) -> &'static [u32] {
 
 /// What drawing a stack cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Drawn {
+pub struct PassTiming {
     /// Milliseconds of the first use of the pipeline, on which some drivers compile it.
     pub first_use_ms: f64,
     /// Milliseconds on the device.
@@ -79,7 +79,7 @@ pub struct Drawn {
     pub fragments: Option<u64>,
 }
 
-impl Drawn {
+impl PassTiming {
     /// Uses the pipeline once, for a row of the first triangle, before what is timed.
     fn begin(
         gpu: &Gpu,
@@ -87,18 +87,18 @@ impl Drawn {
         set: &BindSet,
         vertices: Option<&Buffer>,
         into: Target<'_>,
-    ) -> Result<Drawn, GpuError> {
+    ) -> Result<PassTiming, GpuError> {
         let cost = gpu.submit("first use", |commands| {
             commands.render(into, Load::Clear([0.0; 4]), |draw| {
                 draw.within(&Area { columns: 0..1, rows: 0..1 });
                 draw.triangles(pipeline, set, vertices, 0..3);
             });
         })?;
-        Ok(Drawn { first_use_ms: cost.wall_ms, fragments: Some(0), ..Default::default() })
+        Ok(PassTiming { first_use_ms: cost.wall_ms, fragments: Some(0), ..Default::default() })
     }
 
     /// Adds what was drawn after it.
-    pub fn append(&mut self, next: &Drawn) {
+    pub fn append(&mut self, next: &PassTiming) {
         self.first_use_ms += next.first_use_ms;
         self.gpu_ms += next.gpu_ms;
         self.longest_ms = self.longest_ms.max(next.longest_ms);
@@ -125,12 +125,12 @@ pub fn march(
     set: &BindSet,
     (areas, samples): (&[Area], u32),
     target: Target<'_>,
-    cut: &mut Cut<'_>,
-) -> Result<Drawn, RenderError> {
+    cut: &mut SubmissionControl<'_>,
+) -> Result<PassTiming, RenderError> {
     let into = Target { resolved: None, ..target };
     let mut drawn = match cut.pace.begin() {
-        true => Drawn::begin(gpu, pipeline, set, None, into)?,
-        false => Drawn { fragments: Some(0), ..Default::default() },
+        true => PassTiming::begin(gpu, pipeline, set, None, into)?,
+        false => PassTiming { fragments: Some(0), ..Default::default() },
     };
     let mut load = Load::Clear([0.0; 4]);
     let mut left: VecDeque<Area> = areas.iter().map(Area::quads).collect();
@@ -220,7 +220,7 @@ impl Light<'_> {
 }
 
 /// What is done between two slices.
-pub enum Between<'a> {
+pub enum BetweenSlices<'a> {
     /// Nothing.
     Nothing,
     /// The light behind a slice is drawn, before it.
@@ -256,17 +256,17 @@ pub(crate) fn draw(
     stack: &Stack,
     (areas, tiles): (&[Area], &Tiles),
     target: Target<'_>,
-    between: &Between<'_>,
-    cut: &mut Cut<'_>,
-) -> Result<Drawn, RenderError> {
+    between: &BetweenSlices<'_>,
+    cut: &mut SubmissionControl<'_>,
+) -> Result<PassTiming, RenderError> {
     let into = Target { resolved: None, ..target };
     let first_light_ms = match between {
-        Between::Light(light) if stack.slices > 0 => light.begin(gpu)?,
+        BetweenSlices::Light(light) if stack.slices > 0 => light.begin(gpu)?,
         _ => 0.0,
     };
     let mut drawn = match stack.slices > 0 && cut.pace.begin() {
-        true => Drawn::begin(gpu, pipeline, sets[0], Some(vertices), into)?,
-        false => Drawn { fragments: Some(0), ..Default::default() },
+        true => PassTiming::begin(gpu, pipeline, sets[0], Some(vertices), into)?,
+        false => PassTiming { fragments: Some(0), ..Default::default() },
     };
     drawn.first_use_ms += first_light_ms;
     let mut load = Load::Clear([0.0; 4]);
@@ -290,14 +290,14 @@ pub(crate) fn draw(
             load = Load::Keep;
         };
         let cost = gpu.submit("slices", |commands| match between {
-            Between::Nothing => blend(commands, range.clone()),
-            Between::Light(light) => {
+            BetweenSlices::Nothing => blend(commands, range.clone()),
+            BetweenSlices::Light(light) => {
                 for slice in range.clone() {
                     light.pass(commands, slice);
                     blend(commands, slice..slice + 1);
                 }
             }
-            Between::Marks { pipeline, set, image, every } => {
+            BetweenSlices::Marks { pipeline, set, image, every } => {
                 let mut from = range.start;
                 while from < range.end {
                     let end = ((from / every + 1) * every).min(range.end);
@@ -333,16 +333,16 @@ mod tests {
 
     #[test]
     fn m01_slices_are_the_middles_of_equal_parts_of_the_sphere() {
-        let stack = stack(&Planes::new(EXTENT, 4), EXTENT.radius, Proxy::Quads, Order::FrontToBack, |_| [1.0; 4]);
+        let stack = stack(&SlicePlanes::new(EXTENT, 4), EXTENT.radius, Proxy::Quads, Order::FrontToBack, |_| [1.0; 4]);
         let depths: Vec<f32> = stack.vertices.chunks(60).map(|slice| -slice[2]).collect();
         assert_eq!(depths, [3.5, 4.5, 5.5, 6.5]);
-        assert_eq!(Planes::new(EXTENT, 4).step, 1.0);
+        assert_eq!(SlicePlanes::new(EXTENT, 4).step, 1.0);
     }
 
     #[test]
     fn back_to_front_is_the_same_stack_reversed() {
         let [front, back] = [Order::FrontToBack, Order::BackToFront]
-            .map(|order| stack(&Planes::new(EXTENT, 5), 2.0, Proxy::Polygons, order, |_| [1.0; 4]));
+            .map(|order| stack(&SlicePlanes::new(EXTENT, 5), 2.0, Proxy::Polygons, order, |_| [1.0; 4]));
         let floats = 12 * 6;
         let reversed: Vec<f32> = front.vertices.chunks(floats).rev().flatten().copied().collect();
         assert_eq!(back.vertices, reversed);
@@ -362,7 +362,7 @@ mod tests {
     #[test]
     fn slices_behind_the_eye_are_left_out() {
         let inside = Extent { distance: 0.5, ..EXTENT };
-        let stack = stack(&Planes::new(inside, 8), 2.0, Proxy::Polygons, Order::FrontToBack, |_| [1.0; 4]);
+        let stack = stack(&SlicePlanes::new(inside, 8), 2.0, Proxy::Polygons, Order::FrontToBack, |_| [1.0; 4]);
         assert!(stack.vertices.chunks(6).all(|vertex| vertex[1] <= -inside.near));
         assert_eq!(stack.slices, 5);
     }

@@ -2,15 +2,15 @@
 
 use super::bind::BoundInputs;
 use super::depth::Depth;
-use super::early_exit::Marks;
+use super::early_exit::OpaqueMask;
 use super::half_angle::{HalfAngle, Slices, blend as light_blend};
 use super::pixels::{Mean, check_finite};
-use super::shadow::{Cast, Caster};
-use super::submission_budget::{Cut, Pace};
+use super::shadow::{ShadowCaster, ShadowVolume};
+use super::submission_budget::{SubmissionBudget, SubmissionControl};
 use super::{bind, pass};
 use crate::field::Progress;
 use crate::gpu::{self, Buffer, Gpu, HostCommands, Recording};
-use crate::render::camera::{Shot, SubFrame};
+use crate::render::camera::{FrameContext, SubFrame};
 use crate::render::error::RenderError;
 use crate::render::inputs::{Inputs, SHADOW};
 use crate::render::measurements::{Frame, Measurements};
@@ -49,7 +49,7 @@ const CUT_SHORT: f32 = -1000.0;
 
 /// What of a scene was made before.
 #[derive(Default)]
-pub(crate) struct Made {
+pub(crate) struct Reusable {
     /// A program, and which it is.
     program: Option<(Program, Slots)>,
     bound: Option<BoundInputs>,
@@ -62,13 +62,13 @@ struct Pipelines {
     shape: Shape,
     picture: Arc<gpu::Pipeline>,
     /// What casts the shadows of a scene that has them.
-    caster: Option<Caster>,
+    caster: Option<ShadowCaster>,
     /// What hands the light from slice to slice, in a scene that has it do so.
     half_angle: Option<HalfAngle>,
     /// Program and pipeline of the depth, once it was asked for.
     depth: Option<Depth>,
     /// What submissions of its pictures have taken.
-    pace: Pace,
+    pace: SubmissionBudget,
 }
 
 /// Octaves, attributes of a vertex, format and samples of the target, and how fragments meet it.
@@ -87,7 +87,7 @@ pub(crate) struct Prepared {
     /// The images of a picture that is read back: that which is blended into, and where its samples are averaged to.
     targets: Option<(Arc<gpu::Image>, Option<gpu::Image>)>,
     /// What ends slices early, where they may.
-    marks: Option<Marks>,
+    marks: Option<OpaqueMask>,
     compile_ms: f64,
     /// The size of the picture that pictures stand for.
     pub(crate) whole: [u32; 2],
@@ -96,7 +96,7 @@ pub(crate) struct Prepared {
 impl Prepared {
     /// How its pictures are cut into submissions.
     #[cfg(test)]
-    pub(crate) fn pace(&mut self) -> &mut Pace {
+    pub(crate) fn pace(&mut self) -> &mut SubmissionBudget {
         &mut self.pipelines.pace
     }
 
@@ -104,9 +104,9 @@ impl Prepared {
     pub(crate) fn new(
         gpu: &Gpu,
         library: &Library,
-        shot: &Shot<'_>,
+        shot: &FrameContext<'_>,
         destination: Destination,
-        made: Made,
+        made: Reusable,
         progress: Progress<'_>,
     ) -> Result<Prepared, RenderError> {
         let (start, scene) = (Instant::now(), shot.scene);
@@ -141,19 +141,19 @@ impl Prepared {
         };
         let pipeline_start = Instant::now();
         let attributes = if quality.pass == Pass::Slices { pass::attributes(quality.proxy) } else { &[] };
-        let ends_early = destination == Destination::Frame && Marks::serve(scene);
-        let marks = ends_early.then(|| Marks::new(gpu, library, scene, &variant)).transpose()?;
+        let ends_early = destination == Destination::Frame && OpaqueMask::serve(scene);
+        let marks = ends_early.then(|| OpaqueMask::new(gpu, library, scene, &variant)).transpose()?;
         let heeds = if marks.is_some() { gpu::Marks::Heed } else { gpu::Marks::None };
         let shape = (scene.effect.octaves, attributes, format, quality.msaa, blend, heeds);
         let (picture, caster, half_angle, mut depth, pace) = match made.pipelines.filter(|made| made.shape == shape) {
             Some(made) => (made.picture, made.caster, made.half_angle, made.depth, made.pace),
             None => {
                 let picture = bind::pipeline(gpu, &program, scene, attributes, format, quality.msaa, (blend, heeds))?;
-                (Arc::new(picture), None, None, None, Pace::default())
+                (Arc::new(picture), None, None, None, SubmissionBudget::default())
             }
         };
         let casts = program.reads(SHADOW);
-        let caster = casts.then(|| Caster::new(gpu, library, scene, &variant, caster)).transpose()?;
+        let caster = casts.then(|| ShadowCaster::new(gpu, library, scene, &variant, caster)).transpose()?;
         let half_angle = scene.is_half_angle().then(|| HalfAngle::new(gpu, library, scene, &variant, half_angle));
         if let Destination::Host { has_depth: true, .. } = destination {
             depth = Some(Depth::new(gpu, library, scene, &variant, depth)?);
@@ -202,9 +202,9 @@ impl Prepared {
     }
 
     /// What serves another scene that its program serves.
-    pub(crate) fn made(self, scene: &Scene, variant: &Variant) -> Made {
+    pub(crate) fn made(self, scene: &Scene, variant: &Variant) -> Reusable {
         let reads_the_same = self.reads_the_same(scene, variant);
-        Made {
+        Reusable {
             program: Some((self.program, self.variant.slots)),
             bound: reads_the_same.then_some(self.bound),
             pipelines: Some(self.pipelines),
@@ -212,9 +212,9 @@ impl Prepared {
     }
 
     /// What serves it while this goes on to serve its own: its program, compiled.
-    pub(crate) fn shared(&self) -> Made {
+    pub(crate) fn shared(&self) -> Reusable {
         let program = Some((self.program.clone(), self.variant.slots.clone()));
-        Made { program, bound: None, pipelines: Some(self.pipelines.clone()) }
+        Reusable { program, bound: None, pipelines: Some(self.pipelines.clone()) }
     }
 
     /// Whether another scene has the same program and images: it differs in camera, time, parameters, samples and targets
@@ -251,7 +251,7 @@ impl Prepared {
     }
 
     /// The slices of a picture, or none for rays.
-    fn slices(&self, shot: &Shot<'_>) -> Result<Option<(Buffer, pass::Stack)>, RenderError> {
+    fn slices(&self, shot: &FrameContext<'_>) -> Result<Option<(Buffer, pass::Stack)>, RenderError> {
         let (quality, view, planes) = (&shot.scene.quality, &shot.view, &shot.planes);
         if quality.pass == Pass::March {
             return Ok(None);
@@ -266,14 +266,14 @@ impl Prepared {
 
     /// Has the shadow volume of the next picture cast anew.
     pub(crate) fn forget_shadows(&mut self) {
-        self.pipelines.caster.iter_mut().for_each(Caster::forget);
+        self.pipelines.caster.iter_mut().for_each(ShadowCaster::forget);
     }
 
     /// Makes the shadow volume of a picture, and waits for it, unless the last one serves; milliseconds on the device now, and
     /// before.
-    fn cast(&mut self, shot: &Shot<'_>, stop: &dyn Fn(f64) -> bool) -> Result<Option<[f64; 2]>, RenderError> {
+    fn cast(&mut self, shot: &FrameContext<'_>, stop: &dyn Fn(f64) -> bool) -> Result<Option<[f64; 2]>, RenderError> {
         let Some(caster) = &mut self.pipelines.caster else { return Ok(None) };
-        let Cast { image, gpu_ms, is_kept, .. } = caster.volume(&self.gpu, shot, &self.bound, stop)?;
+        let ShadowVolume { image, gpu_ms, is_kept, .. } = caster.volume(&self.gpu, shot, &self.bound, stop)?;
         self.bound.replace(&self.program, SHADOW, image);
         Ok(Some(if is_kept { [0.0, gpu_ms] } else { [gpu_ms, 0.0] }))
     }
@@ -287,7 +287,7 @@ impl Prepared {
         variant: &Variant,
     ) -> Result<Recording, RenderError> {
         let variant = &self.served(variant);
-        let shot = Shot { whole: self.whole, ..Shot::of(scene, subject, variant) };
+        let shot = FrameContext { whole: self.whole, ..FrameContext::of(scene, subject, variant) };
         let mut all = SubFrame::all(scene);
         let (Some(sub_frame), None) = (all.next(), all.next()) else {
             return Err(RenderError::Recorded("quality.supersampling = 1"));
@@ -318,7 +318,7 @@ impl Prepared {
         stop: &dyn Fn(f64) -> bool,
     ) -> Result<Vec<f32>, RenderError> {
         let variant = &self.served(variant);
-        let shot = Shot { whole: self.whole, ..Shot::of(scene, subject, variant) };
+        let shot = FrameContext { whole: self.whole, ..FrameContext::of(scene, subject, variant) };
         let depth = Depth::new(&self.gpu, library, scene, variant, self.pipelines.depth.take())?;
         for sub_frame in SubFrame::all(scene).take(1) {
             self.bound.fill(&self.gpu, &self.program, &shot, &sub_frame, &|| stop(0.0))?;
@@ -339,10 +339,10 @@ impl Prepared {
         stop: &dyn Fn(f64) -> bool,
     ) -> Result<Option<Frame>, RenderError> {
         let variant = &self.served(variant);
-        let shot = Shot { whole: self.whole, ..Shot::of(scene, subject, variant) };
+        let shot = FrameContext { whole: self.whole, ..FrameContext::of(scene, subject, variant) };
         let slices = self.slices(&shot)?;
         let mut pictures = Mean::default();
-        let mut drawn = pass::Drawn { fragments: Some(0), ..Default::default() };
+        let mut drawn = pass::PassTiming { fragments: Some(0), ..Default::default() };
         let (mut shadow_ms, mut shadow_before_ms) = (None, 0.0);
         for (_, sub_frame) in (0..).zip(SubFrame::all(scene)).filter(|(number, _)| wanted(*number)) {
             let so_far = drawn.gpu_ms + shadow_ms.unwrap_or(0.0);
@@ -357,7 +357,7 @@ impl Prepared {
             let (gpu, pipeline) = (&self.gpu, &*self.pipelines.picture);
             let before = drawn.gpu_ms + shadow_ms.unwrap_or(0.0);
             let stop = |ms: f64| stop(before + ms);
-            let mut cut = Cut { pace: &mut self.pipelines.pace, stop: &stop };
+            let mut cut = SubmissionControl { pace: &mut self.pipelines.pace, stop: &stop };
             drawn.append(&match (&slices, &self.pipelines.half_angle) {
                 (Some((vertices, stack)), Some(light)) => {
                     let slices = Slices { pipeline, program: &self.program, bound: &self.bound, vertices, stack };
@@ -367,7 +367,7 @@ impl Prepared {
                     let set = pipeline.bind(&self.bound.resources())?;
                     let between = match &self.marks {
                         Some(marks) => marks.between(gpu, &self.bound, color, stack.slices)?,
-                        None => pass::Between::Nothing,
+                        None => pass::BetweenSlices::Nothing,
                     };
                     let tiles = self.bound.tiles(&shot, areas);
                     let places = (areas, &tiles);

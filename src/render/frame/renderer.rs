@@ -1,12 +1,12 @@
 //! From a scene to its picture: what users of the crate call.
 
-use super::background::Coming;
+use super::background::BackgroundPrepare;
 use super::depth::by_rays;
 use super::pixels::put;
-use super::prepared::{Destination, Made, Prepared};
+use super::prepared::{Destination, Prepared, Reusable};
 use crate::field::Progress;
 use crate::gpu::{Area, Format, Gpu, HostCommands, Recording};
-use crate::render::camera::Shot;
+use crate::render::camera::FrameContext;
 use crate::render::custom_modules::explained;
 use crate::render::error::RenderError;
 use crate::render::measurements::Frame;
@@ -44,7 +44,7 @@ pub struct Renderer {
     /// Modules and samples of scenes whose loops the device has cut where rays waited for each other.
     cut: Vec<(Slots, u32)>,
     /// What the next scene of a host needs.
-    coming: Option<Coming>,
+    coming: Option<BackgroundPrepare>,
     /// Milliseconds of making what the next picture needs.
     prepared_ms: f64,
 }
@@ -109,7 +109,7 @@ impl Renderer {
     pub fn is_ready(&self, scene: &Scene) -> bool {
         let whole = self.whole.unwrap_or(scene.image.size);
         self.variant(scene).is_ok_and(|variant| {
-            let shot = Shot { whole, ..Shot::of(scene, &self.subject, &variant) };
+            let shot = FrameContext { whole, ..FrameContext::of(scene, &self.subject, &variant) };
             self.serving(scene, &variant).any(|own| own.bound.is_ready(&self.gpu, &shot))
         })
     }
@@ -220,7 +220,7 @@ impl Renderer {
     /// Whether a scene can be recorded at once; begins the missing parts.
     fn is_made(&mut self, scene: &Scene, destination: Destination) -> Result<bool, RenderError> {
         let (scene, variant) = self.recorded(scene, scene.image.size)?;
-        let is_made = self.coming.as_ref().is_some_and(Coming::is_made);
+        let is_made = self.coming.as_ref().is_some_and(BackgroundPrepare::is_made);
         if let Some(coming) = self.coming.take_if(|_| is_made) {
             self.take(coming, (&scene, &variant, destination))?;
         }
@@ -230,7 +230,7 @@ impl Renderer {
         if self.coming.is_none() {
             let made = self.prepared.iter().rev().find(|own| own.runs(&variant)).map(Prepared::shared);
             let all = (self.gpu.clone(), self.library.clone(), self.subject.clone());
-            self.coming = Some(Coming::new(all, (scene, variant, destination), made.unwrap_or_default()));
+            self.coming = Some(BackgroundPrepare::new(all, (scene, variant, destination), made.unwrap_or_default()));
         }
         Ok(false)
     }
@@ -286,7 +286,7 @@ impl Renderer {
     }
 
     /// Keeps what was made beside, waiting for it. What failed matters to the scene that is `wanted` alone.
-    fn take(&mut self, coming: Coming, wanted: (&Scene, &Variant, Destination)) -> Result<(), RenderError> {
+    fn take(&mut self, coming: BackgroundPrepare, wanted: (&Scene, &Variant, Destination)) -> Result<(), RenderError> {
         let serves = coming.serves(wanted.0, wanted.1, wanted.2);
         match coming.made() {
             Ok(made) => {
@@ -325,9 +325,9 @@ impl Renderer {
                 let made = match (running, oldest) {
                     (Some(0), Some(oldest)) => oldest.made(scene, variant),
                     (Some(found), oldest) => self.prepared[found - usize::from(oldest.is_some())].shared(),
-                    (None, _) => Made::default(),
+                    (None, _) => Reusable::default(),
                 };
-                let shot = Shot::of(scene, &self.subject, variant);
+                let shot = FrameContext::of(scene, &self.subject, variant);
                 Prepared::new(&self.gpu, &self.library, &shot, destination, made, progress)?
             }
         };
@@ -341,7 +341,7 @@ impl Renderer {
 
 #[cfg(test)]
 mod tests {
-    use super::submission_budget::Pace;
+    use super::submission_budget::SubmissionBudget;
     use super::*;
     use crate::gpu::Options;
     use crate::scene::{Pass, Proxy};
@@ -368,7 +368,7 @@ mod tests {
             scene.quality.proxy = proxy;
             let mut cut = |slices: f64| {
                 renderer.prepare(&scene, &|_| ()).unwrap();
-                *renderer.prepared[0].pace() = Pace::fixed(slices * 24.0 * 24.0);
+                *renderer.prepared[0].pace() = SubmissionBudget::fixed(slices * 24.0 * 24.0);
                 renderer.render(&scene).unwrap().pixels
             };
             let whole = cut(1024.0);

@@ -9,10 +9,10 @@
 //! follow the rays needs no more either, but mixes neighbors in each layer, and knows no light inside of the scene.
 
 use super::bind::BoundInputs;
-use super::submission_budget::{Cut, Pace};
+use super::submission_budget::{SubmissionBudget, SubmissionControl};
 use super::{bind, pass};
 use crate::gpu::{self, Dimension, Format, Gpu, Image, ImageUse, Pipeline};
-use crate::render::camera::{LightSpace, Shot, SubFrame};
+use crate::render::camera::{FrameContext, LightSpace, SubFrame};
 use crate::render::error::RenderError;
 use crate::render::inputs::Inputs;
 use crate::render::subject::Subject;
@@ -75,31 +75,31 @@ pub fn transmittance(
 ) -> Result<Transmittance, RenderError> {
     let variant = Variant::of(scene, library)?;
     let program = variant.program(library, Linker::new)?;
-    let shot = Shot::of(scene, subject, &variant);
+    let shot = FrameContext::of(scene, subject, &variant);
     let inputs = Inputs::new(library, &shot, &program, &|_| ())?;
     let mut bound = BoundInputs::new(gpu, library, &program, &inputs, false, false)?;
     for sub_frame in SubFrame::all(scene).take(1) {
         bound.fill(gpu, &program, &shot, &sub_frame, &|| false)?;
     }
-    let mut caster = Caster::new(gpu, library, scene, &variant, None)?;
+    let mut caster = ShadowCaster::new(gpu, library, scene, &variant, None)?;
     let (values, gpu_ms) = caster.cast(gpu, &shot, &bound, |light| light, &|_| false)?;
     Ok(Transmittance { space: shot.space, object_matrix: shot.view.object_matrix, values, gpu_ms })
 }
 
 /// The program of the shadow volumes of a scene, made once, and the last of them.
 #[derive(Clone)]
-pub(crate) struct Caster {
+pub(crate) struct ShadowCaster {
     program: Program,
     /// The members of blocks that it reads.
     read: BTreeSet<(u32, u32)>,
     pipeline: Arc<Pipeline>,
-    pace: Pace,
-    last: Option<Cast>,
+    pace: SubmissionBudget,
+    last: Option<ShadowVolume>,
 }
 
 /// A shadow volume.
 #[derive(Clone)]
-pub(crate) struct Cast {
+pub(crate) struct ShadowVolume {
     space: LightSpace,
     /// What the program has read of blocks and images: it casts the same volume from the same.
     blocks: Vec<u8>,
@@ -111,22 +111,22 @@ pub(crate) struct Cast {
     pub(crate) is_kept: bool,
 }
 
-impl Caster {
+impl ShadowCaster {
     /// `made` may serve: one of a scene with as many octaves.
     pub(crate) fn new(
         gpu: &Gpu,
         library: &Library,
         scene: &Scene,
         variant: &Variant,
-        made: Option<Caster>,
-    ) -> Result<Caster, RenderError> {
+        made: Option<ShadowCaster>,
+    ) -> Result<ShadowCaster, RenderError> {
         let program = variant.shadow(scene, library)?.program(library, Linker::new)?;
         if let Some(made) = made.filter(|made| made.program == program) {
             return Ok(made);
         }
         let pipeline = bind::pipeline(gpu, &program, scene, &[], SEGMENTS, 1, (gpu::Blend::Replace, gpu::Marks::None))?;
         let (read, pipeline) = (program.members_read(), Arc::new(pipeline));
-        Ok(Caster { program, read, pipeline, pace: Pace::default(), last: None })
+        Ok(ShadowCaster { program, read, pipeline, pace: SubmissionBudget::default(), last: None })
     }
 
     /// Has the next one cast anew.
@@ -138,21 +138,21 @@ impl Caster {
     pub(crate) fn volume(
         &mut self,
         gpu: &Gpu,
-        shot: &Shot<'_>,
+        shot: &FrameContext<'_>,
         bound: &BoundInputs,
         stop: &dyn Fn(f64) -> bool,
-    ) -> Result<Cast, RenderError> {
+    ) -> Result<ShadowVolume, RenderError> {
         let blocks = bound.blocks_of(&self.program)?;
         let filled = blocks.iter().map(|(resource, bytes)| (resource.binding, bytes.as_slice()));
         let blocks = self.program.parts_read(&self.read, filled);
         let images = bound.images_of(&self.program);
-        let serves = |last: &&Cast| {
+        let serves = |last: &&ShadowVolume| {
             let same_images =
                 images.len() == last.images.len() && images.iter().zip(&last.images).all(|(a, b)| Arc::ptr_eq(a, b));
             last.space == shot.space && last.blocks == blocks && same_images
         };
         if let Some(last) = self.last.as_ref().filter(serves) {
-            return Ok(Cast { is_kept: true, ..last.clone() });
+            return Ok(ShadowVolume { is_kept: true, ..last.clone() });
         }
         self.last = None;
         let code = |light: f32| (light * 65535.0 + 0.5) as u16;
@@ -161,7 +161,7 @@ impl Caster {
         let size = Dimension::Volume(x, y, z);
         let texels = bytemuck::cast_slice(&texels);
         let image = Arc::new(Image::sampled(gpu, "shadow volume", size, Format::R16Unorm, texels)?);
-        let cast = Cast { space: shot.space, blocks, images, image, gpu_ms, is_kept: false };
+        let cast = ShadowVolume { space: shot.space, blocks, images, image, gpu_ms, is_kept: false };
         self.last = Some(cast.clone());
         Ok(cast)
     }
@@ -171,7 +171,7 @@ impl Caster {
     fn cast<T: Clone>(
         &mut self,
         gpu: &Gpu,
-        shot: &Shot<'_>,
+        shot: &FrameContext<'_>,
         bound: &BoundInputs,
         code: impl Fn(f32) -> T,
         stop: &dyn Fn(f64) -> bool,
@@ -184,7 +184,7 @@ impl Caster {
         let color = Image::new(gpu, "shadow segments", plane, SEGMENTS, ImageUse::Target(1))?;
         let target = gpu::Target::of(&color);
         let all = [gpu::Area::whole([width, height])];
-        let mut cut = Cut { pace: &mut self.pace, stop };
+        let mut cut = SubmissionControl { pace: &mut self.pace, stop };
         let drawn = pass::march(gpu, &self.pipeline, &set, (&all[..], SEGMENTS_OF_A_TEXEL), target, &mut cut)?;
         Ok((color.read_with(|segments| space.products(segments, code))?, drawn.gpu_ms))
     }

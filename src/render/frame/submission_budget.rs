@@ -20,7 +20,7 @@ const TELLING_MS: f64 = 0.15 * SUBMISSION_MS;
 
 /// How many samples submissions of a program hold, by what those before have taken.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Pace {
+pub struct SubmissionBudget {
     next: f64,
     /// Milliseconds of a sample where it is dearest: in the picture before, or so far in this one.
     dearest: Option<f64>,
@@ -34,9 +34,9 @@ pub struct Pace {
     fixed: Option<f64>,
 }
 
-impl Default for Pace {
-    fn default() -> Pace {
-        Pace {
+impl Default for SubmissionBudget {
+    fn default() -> SubmissionBudget {
+        SubmissionBudget {
             next: FIRST,
             dearest: None,
             seen: None,
@@ -48,11 +48,11 @@ impl Default for Pace {
     }
 }
 
-impl Pace {
+impl SubmissionBudget {
     /// Submissions of so many samples each.
     #[cfg(test)]
-    pub(crate) fn fixed(samples: f64) -> Pace {
-        Pace { fixed: Some(samples), ..Pace::default() }
+    pub(crate) fn fixed(samples: f64) -> SubmissionBudget {
+        SubmissionBudget { fixed: Some(samples), ..SubmissionBudget::default() }
     }
 
     /// Begins a picture; whether it is the first.
@@ -89,14 +89,14 @@ impl Pace {
 }
 
 /// How a picture is cut into submissions, and whether it goes on.
-pub struct Cut<'a> {
+pub struct SubmissionControl<'a> {
     /// What those before have taken.
-    pub pace: &'a mut Pace,
+    pub pace: &'a mut SubmissionBudget,
     /// Whether the picture ends unfinished, after so many milliseconds on the device; asked before each submission.
     pub stop: &'a dyn Fn(f64) -> bool,
 }
 
-impl Cut<'_> {
+impl SubmissionControl<'_> {
     pub(crate) fn check(&self, ms: f64) -> Result<(), RenderError> {
         if (self.stop)(ms) { Err(RenderError::Stopped) } else { Ok(()) }
     }
@@ -107,7 +107,7 @@ mod tests {
     use super::*;
 
     /// Submissions of a picture whose samples cost what `cost` says of how much of it is done: samples and milliseconds.
-    fn picture(pace: &mut Pace, samples: f64, cost: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
+    fn picture(pace: &mut SubmissionBudget, samples: f64, cost: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
         pace.begin();
         let (mut done, mut all) = (0.0, Vec::new());
         while done < samples {
@@ -126,7 +126,7 @@ mod tests {
     #[test]
     fn an_empty_beginning_does_not_make_the_next_submission_the_whole_picture() {
         let cost = |done: f64| if done < 0.3 { 1e-9 } else { DEAR };
-        let mut pace = Pace::default();
+        let mut pace = SubmissionBudget::default();
         picture(&mut pace, 1e7, |_| DEAR); // a preview
         for _ in 0..2 {
             let all = picture(&mut pace, WHOLE, cost);
@@ -138,7 +138,7 @@ mod tests {
     #[test]
     fn the_first_submissions_are_small_and_grow_to_what_they_may_take() {
         for cost in [1e-9, 1e-7, 1e-6, 1e-4] {
-            let all = picture(&mut Pace::default(), WHOLE.min(100.0 * SUBMISSION_MS / cost), |_| cost);
+            let all = picture(&mut SubmissionBudget::default(), WHOLE.min(100.0 * SUBMISSION_MS / cost), |_| cost);
             assert!(all[0][0] <= FIRST);
             let grown = |pair: &[[f64; 2]]| pair[1][0] <= GROWTH * pair[0][0] * 1.001;
             assert!(all.windows(2).all(grown), "{cost}");
@@ -150,7 +150,7 @@ mod tests {
 
     #[test]
     fn what_was_dear_is_forgotten_with_the_pictures_after_it() {
-        let mut pace = Pace::default();
+        let mut pace = SubmissionBudget::default();
         picture(&mut pace, 1e8, |_| DEAR);
         (0..3).for_each(|_| drop(picture(&mut pace, 1e9, |_| DEAR / 50.0)));
         let cheap = picture(&mut pace, 1e9, |_| DEAR / 50.0);

@@ -1,7 +1,7 @@
 //! Volumes in bricks: which of them a scene can reach, and what that saves.
 
-use super::object_inputs::Item;
-use crate::render::camera::Planes;
+use super::object_inputs::ObjectInputs;
+use crate::render::camera::SlicePlanes;
 use crate::render::texture::{Bricks, Texels};
 use crate::scene::{Integration, RayPath};
 use serde::{Deserialize, Serialize};
@@ -34,14 +34,14 @@ impl Sparse {
     }
 }
 
-impl Item<'_> {
+impl ObjectInputs<'_> {
     /// The bricks of the volume that the scene can reach.
     ///
     /// A distance is looked up wherever a warp says, but only what is below the outer iso-value is matter, and a gradient
     /// looks a voxel further; the end of a segment may lie anywhere outside. Of what is opaque the first sample is seen,
     /// which is no deeper than a step along the most slanted ray, and what a warp moves lookups apart; any may be seen of matter
     /// that lets light through, or that a DMF may have made so.
-    pub(crate) fn bricks(&self, looked_for: f32, texels: &Texels, planes: &Planes) -> Option<Bricks> {
+    pub(crate) fn bricks(&self, looked_for: f32, texels: &Texels, planes: &SlicePlanes) -> Option<Bricks> {
         const MOST_SLANTED: f32 = 4.0; // three quarters of a right angle off the axis of view
         let (scene, field) = (&self.scene, self.subject.field.as_ref()?);
         let voxels = 2.0 * field.grid.spacing.max_element() * self.subject.scale;

@@ -5,7 +5,7 @@ use super::images::{Inputs, SHADOW};
 use super::uniforms::{Values, blocks};
 use crate::eval;
 use crate::gpu::Address;
-use crate::render::camera::{LightSpace, Shot, SubFrame};
+use crate::render::camera::{FrameContext, LightSpace, SubFrame};
 use crate::render::error::RenderError;
 use crate::render::subject::Subject;
 use crate::render::variant::{Program, Variant};
@@ -35,7 +35,7 @@ impl CpuInputs {
         variant: &Variant,
         program: &Program,
     ) -> Result<CpuInputs, RenderError> {
-        let shot = Shot::of(scene, subject, variant);
+        let shot = FrameContext::of(scene, subject, variant);
         let inputs = Inputs::new(library, &shot, program, &|_| ())?;
         let values = |moment: SubFrame| inputs.stored().values(&shot, &moment);
         let moments = SubFrame::all(scene).map(values).collect();

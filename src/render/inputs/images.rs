@@ -4,13 +4,13 @@
 use super::bricks::Sparse;
 use super::encoded::{Content, Encoded, Filter};
 use super::noise_blocks::{block, block_key};
-use super::object_inputs::{CLOSEST, Item, Stored};
+use super::object_inputs::{CLOSEST, ObjectInputs, StoredDistance};
 use super::table;
 use super::table::Function;
 use super::uniforms::{Values, looked_for, moment, values};
 use crate::field::Progress;
 use crate::gpu::{Dimension, Format};
-use crate::render::camera::{Planes, Shot, SubFrame, View};
+use crate::render::camera::{FrameContext, SlicePlanes, SubFrame, View};
 use crate::render::error::RenderError;
 use crate::render::texture;
 use crate::render::texture::{Bricks, Encoding, Texels};
@@ -42,19 +42,22 @@ pub(crate) struct Inputs {
 
 /// How the distance of each object is stored, in the order of the view's objects.
 #[derive(Clone)]
-pub(crate) struct StoredObjects(Vec<Stored>);
+pub(crate) struct StoredObjects(Vec<StoredDistance>);
 
 impl Inputs {
     /// Encodes every image that a program reads; `progress` is told of each block of noise.
     pub(crate) fn new(
         library: &Library,
-        shot: &Shot<'_>,
+        shot: &FrameContext<'_>,
         program: &Program,
         progress: Progress<'_>,
     ) -> Result<Inputs, RenderError> {
-        let Shot { scene, subject, variant, view, planes, .. } = shot;
-        let mut items: Vec<Item<'_>> =
-            view.objects.iter().map(|own| Item::of(own, scene, subject, variant, Stored::default())).collect();
+        let FrameContext { scene, subject, variant, view, planes, .. } = shot;
+        let mut items: Vec<ObjectInputs<'_>> = view
+            .objects
+            .iter()
+            .map(|own| ObjectInputs::of(own, scene, subject, variant, StoredDistance::default()))
+            .collect();
         let mut volumes = Vec::new();
         let mut sparse = None;
         for item in &mut items {
@@ -114,7 +117,7 @@ impl Inputs {
 impl StoredObjects {
     /// Of objects that are not stored: what depends on it has the values of formulas.
     pub(crate) fn none(view: &View) -> StoredObjects {
-        StoredObjects(vec![Stored::default(); view.objects.len()])
+        StoredObjects(vec![StoredDistance::default(); view.objects.len()])
     }
 
     /// Largest error of a stored distance, units of its object; 0 for formulas.
@@ -123,11 +126,11 @@ impl StoredObjects {
     }
 
     /// The values of every member of the blocks for one picture.
-    pub(crate) fn values(&self, shot: &Shot<'_>, sub_frame: &SubFrame) -> Values {
-        let Shot { scene, subject, variant, view, planes, space, .. } = shot;
+    pub(crate) fn values(&self, shot: &FrameContext<'_>, sub_frame: &SubFrame) -> Values {
+        let FrameContext { scene, subject, variant, view, planes, space, .. } = shot;
         let objects = view.objects.iter().zip(&self.0);
-        let items: Vec<Item<'_>> =
-            objects.map(|(own, stored)| Item::of(own, scene, subject, variant, *stored)).collect();
+        let items: Vec<ObjectInputs<'_>> =
+            objects.map(|(own, stored)| ObjectInputs::of(own, scene, subject, variant, *stored)).collect();
         let mut values = values(scene, variant, view, &items, planes);
         values.extend(moment(scene, view, sub_frame));
         for item in &items {
@@ -147,14 +150,16 @@ pub(crate) const BEHIND: &str = "light_behind_image";
 /// The name of the cells there.
 pub(crate) const CELLS: &str = "cell_image";
 /// What an image depends on, in words, for objects that are loaded.
-pub(crate) fn image_key(shot: &Shot<'_>, name: &str) -> String {
-    let Shot { scene, subject, variant, view, planes, .. } = shot;
+pub(crate) fn image_key(shot: &FrameContext<'_>, name: &str) -> String {
+    let FrameContext { scene, subject, variant, view, planes, .. } = shot;
     if let Some(key) = block_key(scene, name) {
         return key;
     }
-    let items = view.objects.iter().map(|own| Item::of(own, scene, subject, variant, Stored::default()));
-    let named =
-        |item: &Item<'_>| name.strip_suffix(item.suffix.as_str()).filter(|base| base.ends_with("_image")).is_some();
+    let items =
+        view.objects.iter().map(|own| ObjectInputs::of(own, scene, subject, variant, StoredDistance::default()));
+    let named = |item: &ObjectInputs<'_>| {
+        name.strip_suffix(item.suffix.as_str()).filter(|base| base.ends_with("_image")).is_some()
+    };
     let Some(item) = items.rev().find(named) else { return name.into() };
     let (object, effect, transfer) = (&item.scene.object, &item.scene.effect, &item.scene.transfer);
     let densities = (object.inner_iso, item.own.outer_iso);
@@ -179,13 +184,14 @@ pub(crate) fn image_key(shot: &Shot<'_>, name: &str) -> String {
 /// The image of a name in `interface.glsl` or `part.glsl` that is no block; takes what was encoded of the object.
 fn image(
     scene: &Scene,
-    items: &[Item<'_>],
+    items: &[ObjectInputs<'_>],
     volumes: &mut [Volumes],
-    planes: &Planes,
+    planes: &SlicePlanes,
     function: &dyn Fn(&'static str) -> Result<Function, RenderError>,
     name: &str,
 ) -> Result<Encoded, RenderError> {
-    let base = |item: &Item<'_>| name.strip_suffix(item.suffix.as_str()).filter(|base| base.ends_with("_image"));
+    let base =
+        |item: &ObjectInputs<'_>| name.strip_suffix(item.suffix.as_str()).filter(|base| base.ends_with("_image"));
     let found = (0..items.len()).rev().find_map(|index| base(&items[index]).map(|base| (index, base)));
     let (index, name) = found.ok_or_else(|| RenderError::Unfilled(name.into()))?;
     let item = &items[index];

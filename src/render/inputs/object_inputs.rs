@@ -1,6 +1,6 @@
 //! One object of a scene: its volume, and what that holds.
 
-use crate::render::camera::Own;
+use crate::render::camera::ObjectView;
 use crate::render::error::RenderError;
 use crate::render::subject::Subject;
 use crate::render::texture;
@@ -10,7 +10,7 @@ use crate::scene::{Parameters, Scene, Source};
 
 /// How a distance is stored in a volume, units of its object: `x + y s` for a texel s.
 #[derive(Clone, Copy, Default)]
-pub(crate) struct Stored {
+pub(crate) struct StoredDistance {
     pub(crate) decode: [f32; 2],
     pub(crate) quantization: f32,
     /// Range of the offsets to the closest points.
@@ -21,26 +21,26 @@ pub(crate) struct Stored {
 pub(crate) const CLOSEST: &str = "closest points";
 
 /// One object of the scene, with what its names in the program end in.
-pub(crate) struct Item<'a> {
+pub(crate) struct ObjectInputs<'a> {
     pub(crate) suffix: String,
-    pub(crate) own: &'a Own,
+    pub(crate) own: &'a ObjectView,
     /// The scene with this object as its only one.
     pub(crate) scene: Scene,
     pub(crate) subject: &'a Subject,
     pub(crate) parameters: &'a Parameters,
-    pub(crate) stored: Stored,
+    pub(crate) stored: StoredDistance,
 }
 
-impl<'a> Item<'a> {
+impl<'a> ObjectInputs<'a> {
     pub(crate) fn of(
-        own: &'a Own,
+        own: &'a ObjectView,
         scene: &Scene,
         subject: &'a Subject,
         variant: &'a Variant,
-        stored: Stored,
-    ) -> Item<'a> {
+        stored: StoredDistance,
+    ) -> ObjectInputs<'a> {
         match own.name.as_str() {
-            "" => Item {
+            "" => ObjectInputs {
                 suffix: String::new(),
                 own,
                 scene: scene.clone(),
@@ -48,7 +48,7 @@ impl<'a> Item<'a> {
                 parameters: &variant.parameters,
                 stored,
             },
-            name => Item {
+            name => ObjectInputs {
                 suffix: format!("_{name}"),
                 own,
                 scene: scene.alone(name),

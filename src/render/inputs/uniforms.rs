@@ -1,8 +1,8 @@
 //! The values of the blocks that programs read, by name.
 
 use super::noise_blocks;
-use super::object_inputs::Item;
-use crate::render::camera::{Planes, SubFrame, View, slant};
+use super::object_inputs::ObjectInputs;
+use crate::render::camera::{SlicePlanes, SubFrame, View, slant};
 use crate::render::error::RenderError;
 use crate::render::texture::transfer_texel;
 use crate::render::variant::{Program, Resource, Use, Variant};
@@ -40,7 +40,13 @@ pub(crate) fn moment(scene: &Scene, view: &View, sub_frame: &SubFrame) -> [(Stri
 }
 
 /// Every other member of the blocks of `interface.glsl` and `part.glsl`, and every parameter, by name.
-pub(crate) fn values(scene: &Scene, variant: &Variant, view: &View, items: &[Item<'_>], planes: &Planes) -> Values {
+pub(crate) fn values(
+    scene: &Scene,
+    variant: &Variant,
+    view: &View,
+    items: &[ObjectInputs<'_>],
+    planes: &SlicePlanes,
+) -> Values {
     let mut values = HashMap::new();
     let mut set = |name: &str, floats: &[f32]| drop(values.insert(name.to_string(), floats.to_vec()));
     set("texture_matrix", &view.texture_matrix.to_cols_array());
@@ -87,7 +93,7 @@ pub(crate) fn values(scene: &Scene, variant: &Variant, view: &View, items: &[Ite
 }
 
 /// The members of `part.glsl` and the parameters of one object.
-fn set_object(item: &Item<'_>, view: &View, set: &mut dyn FnMut(&str, &[f32])) {
+fn set_object(item: &ObjectInputs<'_>, view: &View, set: &mut dyn FnMut(&str, &[f32])) {
     let (scene, subject, own) = (&item.scene, item.subject, item.own);
     set("normal_matrix", &(view.object_matrix * own.place).inverse().transpose().to_cols_array());
     set("place_matrix", &own.place.inverse().to_cols_array());
@@ -138,7 +144,7 @@ fn set_object(item: &Item<'_>, view: &View, set: &mut dyn FnMut(&str, &[f32])) {
 const WARPED: f32 = 2.0;
 
 /// How far from its place a sample looks for matter along its ray, object units: 0 where it stands for its place alone.
-fn sample_reach(scene: &Scene, variant: &Variant, view: &View, planes: &Planes) -> f32 {
+fn sample_reach(scene: &Scene, variant: &Variant, view: &View, planes: &SlicePlanes) -> f32 {
     let steps = match scene.quality.integration {
         Integration::Segment => 0.5,
         Integration::Point => f32::from(u8::from(variant.looks_back)),
@@ -147,7 +153,7 @@ fn sample_reach(scene: &Scene, variant: &Variant, view: &View, planes: &Planes) 
 }
 
 /// How near the matter may be, object units, where a sample of a point looks for it along its ray.
-pub(crate) fn looked_for(scene: &Scene, variant: &Variant, view: &View, planes: &Planes) -> f32 {
+pub(crate) fn looked_for(scene: &Scene, variant: &Variant, view: &View, planes: &SlicePlanes) -> f32 {
     steepness(variant) * sample_reach(scene, variant, view, planes)
 }
 
@@ -156,6 +162,6 @@ fn steepness(variant: &Variant) -> f32 {
 }
 
 /// The longest that a step along a ray can be, object units.
-fn longest_step(scene: &Scene, view: &View, planes: &Planes) -> f32 {
+fn longest_step(scene: &Scene, view: &View, planes: &SlicePlanes) -> f32 {
     planes.step * slant(scene, view) / glam::Vec3::from(scene.object.stretch).min_element()
 }
