@@ -30,12 +30,12 @@ const TOGETHER: [u32; 2] = [2, 16];
 /// Parameters that are named.
 const NAMED: usize = 8;
 
-/// What to do about a [`Fault`].
+/// What to do about a [`ModuleFault`].
 pub const FINITE: &str = "keep what it computes finite, such as log(max(x, 1e-6))";
 
 /// What a custom module gives that is no finite number, or is beyond f32 on the way to what it gives.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Fault {
+pub struct ModuleFault {
     /// The module, `dmf/ripples.glsl`; with the line of what is beyond f32.
     pub module: String,
     /// `NaN`, `an infinity`, or what is beyond f32.
@@ -52,9 +52,9 @@ pub struct Fault {
     pub pixel: [u32; 2],
 }
 
-impl fmt::Display for Fault {
+impl fmt::Display for ModuleFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Fault { module, what, with, count, tried, of, pixel: [x, y] } = self;
+        let ModuleFault { module, what, with, count, tried, of, pixel: [x, y] } = self;
         write!(f, "{module} gives {what}{with}, for {count} of {tried} {of}, the first in pixel {x}, {y}")
     }
 }
@@ -64,7 +64,11 @@ impl fmt::Display for Fault {
 ///
 /// # Errors
 /// The scene has no program, or a device would cut the loops of one.
-pub fn watch(library: &Library, scene: &Scene, subject: &Subject) -> Result<Option<Fault>, RenderError> {
+pub fn try_custom_modules(
+    library: &Library,
+    scene: &Scene,
+    subject: &Subject,
+) -> Result<Option<ModuleFault>, RenderError> {
     let variant = Variant::of(scene, library)?;
     let own = own_modules(library, &variant);
     if own.is_empty() {
@@ -87,7 +91,7 @@ pub(crate) fn explained(error: RenderError, library: &Library, scene: &Scene, su
         return error;
     };
     let own = own_modules(library, &variant);
-    let cause = match watch(library, scene, subject) {
+    let cause = match try_custom_modules(library, scene, subject) {
         Err(error) => return error,
         _ if own.is_empty() => return error,
         Ok(Some(fault)) => format!("{fault}; {FINITE}"),
@@ -149,7 +153,7 @@ struct Found {
 }
 
 impl Trial<'_> {
-    fn run(&self) -> Result<Option<Fault>, RenderError> {
+    fn run(&self) -> Result<Option<ModuleFault>, RenderError> {
         let Trial { library, scene, subject, variant, .. } = self;
         // A ray is one fragment with all its samples; of slices, each sample is one.
         let rays = scene.quality.pass == Pass::March;
@@ -168,13 +172,13 @@ impl Trial<'_> {
                 let module = self.own[module - 1].clone();
                 let what = if is_nan { "NaN" } else { "an infinity" }.into();
                 let with = with(library, variant, &module);
-                Some(Fault { module, what, with, count, tried: tried[0], of, pixel })
+                Some(ModuleFault { module, what, with, count, tried: tried[0], of, pixel })
             }
             (_, (count, Some((Overflow { place, operation, .. }, pixel)))) => {
                 let path = self.own.iter().find(|path| is_in(path, &place));
                 let with = path.map(|path| with(library, variant, path)).unwrap_or_default();
                 let what = format!("{operation}, which is beyond f32 (3.4e38)");
-                Some(Fault { module: place, what, with, count, tried: tried[1], of, pixel })
+                Some(ModuleFault { module: place, what, with, count, tried: tried[1], of, pixel })
             }
             _ => None,
         })

@@ -17,14 +17,14 @@ mod subject;
 pub mod texture;
 pub mod variant;
 
-pub use camera::{Sight, half_height};
+pub use camera::{ViewPose, half_height};
 pub use cells::{CellStats, LOOKED_UP, bounded, link as link_cells};
-pub use custom_modules::{FINITE, Fault, watch};
+pub use custom_modules::{FINITE, ModuleFault, try_custom_modules};
 pub use density::{Along, PolygonizeError, Polygons, densities, density_along, polygonize};
 pub use error::RenderError;
-pub use explain::{all_alike, doubts, idle, ignored, made_with, octaves_held};
+pub use explain::{describe_frame, octaves_held, same_pictures, unused_overrides, unused_settings, warnings};
 pub use frame::{Renderer, Transmittance, check_depth, put, render, transmittance};
 pub use inputs::{Blocks, CpuInputs, ImageInfo, Sparse};
 pub use measurements::{Frame, Measurements};
-pub use subject::{Subject, Wanted, field_margin, open, request};
+pub use subject::{Subject, SubjectRequest, field_margin, open, request};
 pub use variant::OCTAVES_ID;

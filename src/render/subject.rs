@@ -54,7 +54,7 @@ const DISTANCE: RangeInclusive<f32> = 0.8..=1.25;
 
 /// What a scene needs of an object, before any file is read: all that its subject is made of.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Wanted {
+pub struct SubjectRequest {
     /// The object; an aligned one has the axis of the scene's own.
     pub object: Object,
     /// How far its field reaches beyond it, object units: see [`field_margin`].
@@ -65,12 +65,12 @@ pub struct Wanted {
     pub aligned: bool,
 }
 
-impl Wanted {
+impl SubjectRequest {
     /// The objects of a scene: its own, then the additional ones by their names. `variant` is that of the scene.
-    pub fn all(scene: &Scene, variant: &Variant) -> Vec<Wanted> {
+    pub fn all(scene: &Scene, variant: &Variant) -> Vec<SubjectRequest> {
         let reach =
             |parameters: &Parameters, object: &Object| field_margin(parameters.outer_iso().unwrap_or(object.outer_iso));
-        let own = Wanted {
+        let own = SubjectRequest {
             object: scene.object.clone(),
             reach: reach(&variant.parameters, &scene.object),
             closest: variant.reads_closest(),
@@ -79,7 +79,7 @@ impl Wanted {
         let parts = scene.parts.iter().map(|(name, part)| {
             let aligned = part.transform.aligned;
             let up = if aligned { scene.object.up } else { part.object.up };
-            Wanted {
+            SubjectRequest {
                 object: Object { up, ..part.object.clone() },
                 reach: reach(&variant.parts[name], &part.object),
                 closest: variant.part_reads_closest(name),
@@ -104,8 +104,8 @@ pub(crate) struct Recipe {
 
 impl Recipe {
     /// That of an object that is no formula; `scale` is that of the scene's own.
-    pub(crate) fn of(shape: &Shape, wanted: &Wanted, scale: f32) -> Recipe {
-        let Wanted { object, reach, closest, aligned } = wanted;
+    pub(crate) fn of(shape: &Shape, wanted: &SubjectRequest, scale: f32) -> Recipe {
+        let SubjectRequest { object, reach, closest, aligned } = wanted;
         let mut request = reaching(shape, object, *reach);
         if *aligned {
             (request.margin, request.band) = (reach / scale, reach / scale);
@@ -126,7 +126,7 @@ impl Subject {
     /// # Errors
     /// The input cannot be read, or has no surface.
     pub fn load(scene: &Scene, library: &Library, progress: Progress<'_>) -> Result<Subject, RenderError> {
-        let own = |wanted: &Wanted, progress: Progress<'_>| Subject::of(wanted, None, progress);
+        let own = |wanted: &SubjectRequest, progress: Progress<'_>| Subject::of(wanted, None, progress);
         Subject::all(scene, library, &own, progress)
     }
 
@@ -145,7 +145,7 @@ impl Subject {
         scene.object.input = format!("{}{}", shape::MEMORY, field::Key::of_contents(&shape));
         let opened = Opened { shape, notes: Vec::new(), others: Vec::new(), grids: Vec::new() };
         let shape = settled(opened, &scene.object).warned(&scene.object.input);
-        let own = |wanted: &Wanted, progress: Progress<'_>| {
+        let own = |wanted: &SubjectRequest, progress: Progress<'_>| {
             Subject::made(&shape, Recipe::of(&shape, wanted, 1.0), None, Vec::new(), progress)
         };
         Subject::all(scene, library, &own, progress)
@@ -201,10 +201,10 @@ impl Subject {
     fn all(
         scene: &Scene,
         library: &Library,
-        own: &dyn Fn(&Wanted, Progress<'_>) -> Result<Subject, RenderError>,
+        own: &dyn Fn(&SubjectRequest, Progress<'_>) -> Result<Subject, RenderError>,
         progress: Progress<'_>,
     ) -> Result<Subject, RenderError> {
-        let objects = Wanted::all(scene, &Variant::of(scene, library)?);
+        let objects = SubjectRequest::all(scene, &Variant::of(scene, library)?);
         let count = objects.len() as f32;
         let part = |before: u8| move |done: f32| progress((f32::from(before) + done) / count);
         let mut subject = own(&objects[0], &part(0))?;
@@ -226,13 +226,13 @@ impl Subject {
         closest: bool,
         progress: Progress<'_>,
     ) -> Result<Subject, RenderError> {
-        let wanted = Wanted { object: object.clone(), reach: field_margin(margin), closest, aligned: false };
+        let wanted = SubjectRequest { object: object.clone(), reach: field_margin(margin), closest, aligned: false };
         Subject::of(&wanted, None, progress)
     }
 
     /// An object; `own` is the scene's own one, in whose space an aligned one is.
-    fn of(wanted: &Wanted, own: Option<&Subject>, progress: Progress<'_>) -> Result<Subject, RenderError> {
-        let Wanted { object, aligned, .. } = wanted;
+    fn of(wanted: &SubjectRequest, own: Option<&Subject>, progress: Progress<'_>) -> Result<Subject, RenderError> {
+        let SubjectRequest { object, aligned, .. } = wanted;
         if object.is_formula() {
             return Ok(formula(&object.input));
         }

@@ -77,7 +77,7 @@ pub fn predict(renderer: &mut Renderer, scene: &Scene) -> Result<Prediction, Ren
     let start = Instant::now();
     let mut small = scene.clone();
     let (mut probes, mut slices) = (Vec::new(), 0);
-    renderer.stand_for(scene.image.size);
+    renderer.preview_of(scene.image.size);
     let mut probe = |side: u32| -> Result<(Probe, f64), RenderError> {
         small.image.size = fit(scene.image.size, side);
         let m = renderer.render(&small)?.measurements;

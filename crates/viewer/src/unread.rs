@@ -1,7 +1,7 @@
 //! Which settings a picture does not read, found beside the window as soon as a scene stands still.
 
 use super::worker::{Job, Variant};
-use hypertexture::render::idle;
+use hypertexture::render::unused_settings;
 use hypertexture::scene::{Effect, Scene};
 use hypertexture::shader::shipped;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -77,7 +77,7 @@ impl Unread {
         };
         let look = move || {
             // Nobody listens where another scene is looked at by now.
-            let _ = sender.send(idle(&library, &subject, &scene, &is_over));
+            let _ = sender.send(unused_settings(&library, &subject, &scene, &is_over));
             notify();
         };
         if let Err(error) = thread::Builder::new().stack_size(STACK).spawn(look) {

@@ -15,4 +15,4 @@ pub(crate) use planes::SlicePlanes;
 pub(crate) use sub_frame::SubFrame;
 pub use view::half_height;
 pub(crate) use view::{FLATTEST, ObjectView, View, axis, slant};
-pub use view_pose::Sight;
+pub use view_pose::ViewPose;

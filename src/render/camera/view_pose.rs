@@ -17,7 +17,7 @@ const RELIEF: f32 = 0.8;
 
 /// Where a picture of a scene is looked at from.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sight {
+pub struct ViewPose {
     /// From object space to that of the eye.
     object_matrix: Mat4,
     /// Depth of its middle.
@@ -29,11 +29,11 @@ pub struct Sight {
     is_parallel: bool,
 }
 
-impl Sight {
+impl ViewPose {
     /// That of a scene; `variant` is its program.
-    pub fn of(scene: &Scene, subject: &Subject, variant: &Variant) -> Sight {
+    pub fn of(scene: &Scene, subject: &Subject, variant: &Variant) -> ViewPose {
         let view = View::of(scene, subject, variant);
-        Sight {
+        ViewPose {
             object_matrix: view.object_matrix,
             distance: view.extent.distance,
             radius: view.shown_radius,
@@ -45,7 +45,7 @@ impl Sight {
 
     /// Where what is at a place of this picture is in the picture of another sight. Places are from -1 to 1, to the right
     /// and down.
-    pub fn moved(&self, to: &Sight, at: [f32; 2]) -> [f32; 2] {
+    pub fn reproject(&self, to: &ViewPose, at: [f32; 2]) -> [f32; 2] {
         let flat = (Vec2::from(at) - self.pan) * self.ray_scale * self.depth(0.0) * Vec2::new(1.0, -1.0);
         let from_middle = flat.length() / self.radius;
         let turns = ((STANDS_FROM - from_middle) / (STANDS_FROM - 1.0)).clamp(0.0, 1.0);
@@ -70,14 +70,14 @@ mod tests {
     use crate::scene::preset;
     use crate::shader;
 
-    fn sight(change: impl Fn(&mut Scene)) -> (Sight, View) {
+    fn sight(change: impl Fn(&mut Scene)) -> (ViewPose, View) {
         let library = shader::shipped();
         let mut scene = preset("lit").unwrap();
         scene.object.input = "sphere".into();
         change(&mut scene);
         let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
         let variant = Variant::of(&scene, &library).unwrap();
-        (Sight::of(&scene, &subject, &variant), View::of(&scene, &subject, &variant))
+        (ViewPose::of(&scene, &subject, &variant), View::of(&scene, &subject, &variant))
     }
 
     /// Where a point of object space is in a picture, by the projection that it is rendered with.
@@ -102,14 +102,14 @@ mod tests {
                     let clip = view.projection * eye.extend(1.0);
                     Vec2::new(clip.x, clip.y) / clip.w + Vec2::from(view.pan)
                 });
-                let moved = Vec2::from(from.moved(&to, a.into()));
+                let moved = Vec2::from(from.reproject(&to, a.into()));
                 let off = moved.distance(b);
                 let inside = place.length() < 1.0; // the relief there is nearer to the eye
                 assert!(off < if inside { 0.2 } else { 1e-3 }, "{projection:?} {place}: {moved} for {b}");
             }
-            let there_and_back = to.moved(&from, from.moved(&to, [0.1, 0.2]));
+            let there_and_back = to.reproject(&from, from.reproject(&to, [0.1, 0.2]));
             assert!(Vec2::from(there_and_back).distance(Vec2::new(0.1, 0.2)) < 0.02, "{there_and_back:?}");
-            assert!(Vec2::from(from.moved(&from, [0.4, -0.3])).distance(Vec2::new(0.4, -0.3)) < 1e-4);
+            assert!(Vec2::from(from.reproject(&from, [0.4, -0.3])).distance(Vec2::new(0.4, -0.3)) < 1e-4);
         }
     }
 
@@ -123,7 +123,7 @@ mod tests {
         let ((from, old), (to, new)) = (turn(0.0), turn(8.0));
         for point in [Vec3::Z, Vec3::new(0.5, 0.3, 0.8), Vec3::new(-0.4, -0.6, 0.68)] {
             let (a, b) = (rendered(&old, point), rendered(&new, point));
-            let moved = Vec2::from(from.moved(&to, a.into()));
+            let moved = Vec2::from(from.reproject(&to, a.into()));
             assert!(moved.distance(b) < 0.5 * a.distance(b), "{point}: {a} is at {b}, not {moved}");
         }
     }

@@ -1,6 +1,6 @@
 //! What a picture is made with, in words.
 
-use super::warnings::doubts;
+use super::warnings::warnings;
 use crate::render::error::RenderError;
 use crate::render::measurements::Measurements;
 use crate::render::subject::Subject;
@@ -14,7 +14,7 @@ use crate::shader::library::ZERO;
 ///
 /// # Errors
 /// The scene has no program.
-pub fn made_with(
+pub fn describe_frame(
     m: &Measurements,
     scene: &Scene,
     subject: &Subject,
@@ -38,7 +38,7 @@ pub fn made_with(
     lines.extend(zero.map(|names| line("left out", format!("what these take away, as they are 0: {names}"))));
     lines.extend(octaves_held(m, scene, library).map(|text| line("octaves", text)));
     lines.extend(m.cells.as_ref().map(|cells| line("cells", cells.to_string())));
-    lines.extend(doubts(m, scene, subject, library)?.into_iter().map(|text| line("note", text)));
+    lines.extend(warnings(m, scene, subject, library)?.into_iter().map(|text| line("note", text)));
     lines.push(line("memory", format!("{:.1} MiB of images on the device", mib(m.device_bytes))));
     Ok(lines)
 }

@@ -4,6 +4,6 @@ mod describe;
 mod unused_settings;
 mod warnings;
 
-pub use describe::{made_with, octaves_held};
-pub use unused_settings::{all_alike, idle, ignored};
-pub use warnings::doubts;
+pub use describe::{describe_frame, octaves_held};
+pub use unused_settings::{same_pictures, unused_overrides, unused_settings};
+pub use warnings::warnings;

@@ -12,7 +12,7 @@ use crate::render::camera::{FrameContext, SubFrame};
 use crate::render::error::RenderError;
 use crate::render::frame::OpaqueMask;
 use crate::render::inputs::{CELLS, Filter, SHADOW, StoredObjects, blocks, image_key};
-use crate::render::subject::{Recipe, Subject, Wanted, opened};
+use crate::render::subject::{Recipe, Subject, SubjectRequest, opened};
 use crate::render::variant::{OCTAVES_ID, Program, Variant};
 use crate::scene::schema::{Kind, SETTINGS, Setting, setting};
 use crate::scene::{Object, Order, Pass, Quality, Scene};
@@ -36,7 +36,7 @@ const VERTEX_VALUES: [&str; 7] =
 /// of them it is the same. `subject` is that of the scene.
 ///
 /// A scene that has no program has no such fields, and what cannot be decided is none.
-pub fn ignored(library: &Library, subject: &Subject, base: &Scene, scene: &Scene) -> Vec<String> {
+pub fn unused_overrides(library: &Library, subject: &Subject, base: &Scene, scene: &Scene) -> Vec<String> {
     let mut judge = PictureComparer::new(library, subject);
     let before: HashMap<String, String> =
         base.fields().into_iter().map(|(name, value)| (name, value.to_string())).collect();
@@ -60,7 +60,7 @@ pub fn ignored(library: &Library, subject: &Subject, base: &Scene, scene: &Scene
 /// the ends of its usual range are tried, of a choice all that the scene allows without the parameters of modules that are
 /// gone; a value that chooses another program is taken to change the picture. Settings of how it is drawn (`quality`, `image`) are never named, nor is text. `is_over` ends
 /// it early, with none.
-pub fn idle(library: &Library, subject: &Subject, scene: &Scene, is_over: &dyn Fn() -> bool) -> Vec<String> {
+pub fn unused_settings(library: &Library, subject: &Subject, scene: &Scene, is_over: &dyn Fn() -> bool) -> Vec<String> {
     let mut judge = PictureComparer::new(library, subject);
     let (Ok(variant), Ok(own)) = (Variant::of(scene, library), judge.essence(scene)) else { return Vec::new() };
     let values: HashMap<String, String> =
@@ -99,7 +99,7 @@ pub fn idle(library: &Library, subject: &Subject, scene: &Scene, is_over: &dyn F
 }
 
 /// Whether scenes of one subject all have the same picture.
-pub fn all_alike(library: &Library, subject: &Subject, mut scenes: impl Iterator<Item = Scene>) -> bool {
+pub fn same_pictures(library: &Library, subject: &Subject, mut scenes: impl Iterator<Item = Scene>) -> bool {
     let mut judge = PictureComparer::new(library, subject);
     let first = scenes.next().and_then(|first| Some((judge.essence(&first).ok()?, first)));
     first.is_some_and(|(own, first)| scenes.all(|other| judge.same_picture(&first, own, &other)))
@@ -154,7 +154,7 @@ impl<'a> PictureComparer<'a> {
 
     /// Whether two scenes have the same objects: what their fields are computed from is equal.
     fn same_subject(&mut self, scene: &Scene, other: &Scene) -> Result<bool, RenderError> {
-        let wanted = |scene| Ok::<_, RenderError>(Wanted::all(scene, &Variant::of(scene, self.library)?));
+        let wanted = |scene| Ok::<_, RenderError>(SubjectRequest::all(scene, &Variant::of(scene, self.library)?));
         let (own, others) = (wanted(scene)?, wanted(other)?);
         let mut same = scene.parts.keys().eq(other.parts.keys());
         for (own, other) in own.iter().zip(&others) {
@@ -163,7 +163,7 @@ impl<'a> PictureComparer<'a> {
         Ok(same)
     }
 
-    fn same_object(&mut self, own: &Wanted, other: &Wanted) -> Result<bool, RenderError> {
+    fn same_object(&mut self, own: &SubjectRequest, other: &SubjectRequest) -> Result<bool, RenderError> {
         if own == other {
             return Ok(true);
         }
@@ -181,7 +181,7 @@ impl<'a> PictureComparer<'a> {
     }
 
     /// The shape of an object, and what is made of it.
-    fn recipe(&mut self, wanted: &Wanted) -> Result<(Rc<Shape>, Recipe), RenderError> {
+    fn recipe(&mut self, wanted: &SubjectRequest) -> Result<(Rc<Shape>, Recipe), RenderError> {
         let Object { input, grid, distance, .. } = &wanted.object;
         let shape = match self.shapes.entry((input.clone(), grid.clone(), *distance)) {
             Entry::Occupied(known) => known.get().clone(),

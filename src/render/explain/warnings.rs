@@ -18,7 +18,7 @@ const TERRACE: f32 = 0.016;
 ///
 /// # Errors
 /// The scene has no program.
-pub fn doubts(
+pub fn warnings(
     m: &Measurements,
     scene: &Scene,
     subject: &Subject,

@@ -56,7 +56,7 @@ pub(crate) fn check_finite(pixels: &[[f32; 4]], areas: &[Area]) -> Result<(), Re
 }
 
 /// Puts the pixels of areas, one behind the other, into a picture of this width.
-pub fn put(pixels: &[[f32; 4]], areas: &[Area], width: u32, into: &mut [[f32; 4]]) {
+pub fn paste_areas(pixels: &[[f32; 4]], areas: &[Area], width: u32, into: &mut [[f32; 4]]) {
     let mut left = pixels;
     for Area { columns, rows } in areas {
         for row in rows.clone() {
@@ -88,7 +88,7 @@ mod tests {
         let areas = [Area { columns: 1..3, rows: 0..2 }, Area { columns: 0..1, rows: 1..3 }];
         let mut pixels: Vec<[f32; 4]> = (1..=6).map(|index| [index as f32; 4]).collect();
         let mut picture = vec![[0.0; 4]; 9];
-        put(&pixels, &areas, 3, &mut picture);
+        paste_areas(&pixels, &areas, 3, &mut picture);
         let first: Vec<f32> = picture.iter().map(|pixel| pixel[0]).collect();
         assert_eq!(first, [0.0, 1.0, 2.0, 5.0, 3.0, 4.0, 6.0, 0.0, 0.0]);
         assert!(check_finite(&pixels, &areas).is_ok());

@@ -265,7 +265,7 @@ impl Prepared {
     }
 
     /// Has the shadow volume of the next picture cast anew.
-    pub(crate) fn forget_shadows(&mut self) {
+    pub(crate) fn invalidate_shadows(&mut self) {
         self.pipelines.caster.iter_mut().for_each(ShadowCaster::forget);
     }
 
@@ -380,7 +380,7 @@ impl Prepared {
             });
             let texels = resolved.as_ref().unwrap_or(color).read_areas(areas)?;
             // Rays of other programs do not say so: what a module of a user gives may be below it.
-            if self.variant.waits() && texels.iter().any(|[.., alpha]| *alpha < CUT_SHORT) {
+            if self.variant.uses_two_phase() && texels.iter().any(|[.., alpha]| *alpha < CUT_SHORT) {
                 return Ok(None);
             }
             pictures.add(texels);

@@ -2,7 +2,7 @@
 
 use super::background::BackgroundPrepare;
 use super::depth::by_rays;
-use super::pixels::put;
+use super::pixels::paste_areas;
 use super::prepared::{Destination, Prepared, Reusable};
 use crate::field::Progress;
 use crate::gpu::{Area, Format, Gpu, HostCommands, Recording};
@@ -72,7 +72,7 @@ impl Renderer {
 
     /// Keeps what was made for so many scenes that have less in common than camera, size and parameters; without this, for
     /// one.
-    pub fn keep(&mut self, scenes: usize) {
+    pub fn set_cache_size(&mut self, scenes: usize) {
         self.kept = scenes.max(1);
     }
 
@@ -83,7 +83,7 @@ impl Renderer {
     }
 
     /// Pictures from now on are small ones of a picture of this size: they leave out as much of empty space as that does.
-    pub fn stand_for(&mut self, size: [u32; 2]) {
+    pub fn preview_of(&mut self, size: [u32; 2]) {
         self.whole = Some(size);
     }
 
@@ -119,8 +119,8 @@ impl Renderer {
     }
 
     /// Pictures from now on have their shadow volumes cast anew: for their time.
-    pub fn forget_shadows(&mut self) {
-        self.prepared.iter_mut().for_each(Prepared::forget_shadows);
+    pub fn invalidate_shadows(&mut self) {
+        self.prepared.iter_mut().for_each(Prepared::invalidate_shadows);
     }
 
     /// Renders a scene, as [`render`] does, bit for bit.
@@ -143,7 +143,7 @@ impl Renderer {
         let mut frame = self.render_areas(scene, &areas, None)?;
         if areas != [Area::whole(scene.image.size)] {
             let mut pixels = vec![[0.0; 4]; width as usize * height as usize];
-            put(&frame.pixels, &areas, width, &mut pixels);
+            paste_areas(&frame.pixels, &areas, width, &mut pixels);
             frame.pixels = pixels;
         }
         Ok(frame)
@@ -174,7 +174,7 @@ impl Renderer {
                 Some(frame) => break frame,
                 None => self.cut.push((variant.slots.clone(), scene.quality.samples)),
             }
-            variant = variant.that_waits_for_none();
+            variant = variant.without_two_phase();
         };
         frame.measurements.total_ms = std::mem::take(&mut self.prepared_ms) + start.elapsed().as_secs_f64() * 1e3;
         let taken = own_processor_time().zip(before).map(|(after, before)| after.saturating_sub(before));
@@ -280,7 +280,7 @@ impl Renderer {
         }
         let mut variant = self.variant(&scene)?;
         if !scene.may_find_first(&self.library) {
-            variant = variant.that_waits_for_none(); // what comes of it is not seen here
+            variant = variant.without_two_phase(); // what comes of it is not seen here
         }
         Ok((scene, variant))
     }
@@ -305,7 +305,7 @@ impl Renderer {
         let variant = Variant::of(scene, &self.library)?;
         let is_cut =
             self.cut.iter().any(|(slots, samples)| *slots == variant.slots && *samples <= scene.quality.samples);
-        Ok(if is_cut { variant.that_waits_for_none() } else { variant.suited(self.gpu.info().cpu) })
+        Ok(if is_cut { variant.without_two_phase() } else { variant.for_device(self.gpu.info().cpu) })
     }
 
     /// What serves a scene, from what there is.

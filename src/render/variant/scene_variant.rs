@@ -76,15 +76,15 @@ impl Variant {
     }
 
     /// Whether its rays wait for what others find.
-    pub(super) fn waits(&self) -> bool {
+    pub(super) fn uses_two_phase(&self) -> bool {
         self.module("empty_space") == Some("skip")
     }
 
     /// The same, as a device draws it soonest: on a GPU, which skips branches that none of its rays takes, soft matter is
     /// not found before it is shaded, since its density would be asked for twice. An H100 draws fire in 3.1 ms so in place
     /// of 4.4 and flow in 2.7 in place of 4.7; hard matter, which is shaded once a ray, takes longer: lit 0.2 in place of 0.12.
-    pub fn suited(self, on_processor: bool) -> Variant {
-        if self.is_hard() || on_processor { self } else { self.that_waits_for_none() }
+    pub fn for_device(self, on_processor: bool) -> Variant {
+        if self.is_hard() || on_processor { self } else { self.without_two_phase() }
     }
 
     /// Whether the matter of every object begins at a surface, at once.
@@ -102,9 +102,9 @@ impl Variant {
     }
 
     /// The same, with rays that do not.
-    pub(super) fn that_waits_for_none(&self) -> Variant {
+    pub(super) fn without_two_phase(&self) -> Variant {
         let mut variant = self.clone();
-        if self.waits() {
+        if self.uses_two_phase() {
             variant.slots.insert("empty_space".into(), vec!["leap".into()]);
         }
         variant

@@ -4,7 +4,7 @@ use super::matter::same;
 use super::{Lab, Row, StressError, with};
 use crate::statistics::largest;
 use hypertexture::render::variant::VariantError;
-use hypertexture::render::{RenderError, Renderer, Subject, doubts};
+use hypertexture::render::{RenderError, Renderer, Subject, warnings};
 use hypertexture::scene::{Effect, EmptySpace, ParameterValue, Scene, SceneError, preset};
 use hypertexture::shader::ParameterKind;
 
@@ -230,7 +230,7 @@ pub(super) fn told(lab: &Lab<'_>) -> Result<Vec<Row>, StressError> {
         }
         let subject = Subject::load(&scene, library, &|_| ())?;
         let frame = Renderer::new(lab.bench.gpu, library, &subject).render(&scene)?;
-        let lines = doubts(&frame.measurements, &scene, &subject, library).map_err(RenderError::from)?;
+        let lines = warnings(&frame.measurements, &scene, &subject, library).map_err(RenderError::from)?;
         let ok = if line.is_empty() { lines.is_empty() } else { lines.iter().any(|found| found.contains(line)) };
         let setting = changes.iter().map(|(field, value)| format!("{field} = {value}")).collect::<Vec<_>>().join(", ");
         let what = if case == 0 { "nothing is told".into() } else { format!("{input}: told (case {case})") };

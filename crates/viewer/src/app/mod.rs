@@ -27,7 +27,7 @@ use super::worker::{Job, Worker};
 use egui::{Rect, Sense, Ui};
 use glam::DVec3;
 use hypertexture::gpu::{Gpu, Options};
-use hypertexture::render::Sight;
+use hypertexture::render::ViewPose;
 use hypertexture::scene::{self, Scene};
 use hypertexture::shader::Library;
 use std::path::{Path, PathBuf};
@@ -84,8 +84,8 @@ pub(super) struct App {
     notify: Notify,
     screen: Screen,
     /// Where the picture on the screen is looked at from, and where the scene is now.
-    seen: Option<Sight>,
-    sight: Option<Sight>,
+    seen: Option<ViewPose>,
+    sight: Option<ViewPose>,
     pub(super) figures: Figures,
     /// Where the picture is, points.
     pub(super) place: Rect,

@@ -11,7 +11,7 @@ use super::author::Gate;
 use super::status::Stage;
 use egui::ColorImage;
 use hypertexture::gpu::Gpu;
-use hypertexture::render::{Sight, Subject};
+use hypertexture::render::{Subject, ViewPose};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
 use measure::pick::{ErrorBound, Pick};
@@ -86,7 +86,7 @@ pub(super) struct Picture {
     pub(super) size: [u32; 2],
     pub(super) samples: u32,
     /// Where it is looked at from.
-    pub(super) sight: Option<Sight>,
+    pub(super) sight: Option<ViewPose>,
     pub(super) stage: Stage,
     /// Milliseconds on the device, of all variants.
     pub(super) gpu_ms: f64,
