@@ -1,4 +1,4 @@
-//! A picture about to be drawn.
+//! A scene with its matrices, planes and light space.
 
 use super::light_space::LightSpace;
 use super::planes::SlicePlanes;
@@ -7,7 +7,6 @@ use crate::render::subject::Subject;
 use crate::render::variant::Variant;
 use crate::scene::Scene;
 
-/// A scene, and where all of it is.
 pub(crate) struct FrameContext<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) subject: &'a Subject,
@@ -15,12 +14,12 @@ pub(crate) struct FrameContext<'a> {
     pub(crate) view: View,
     pub(crate) planes: SlicePlanes,
     pub(crate) space: LightSpace,
-    /// The size of the picture that it stands for.
+    /// Size of the full picture of which this one is a preview.
     pub(crate) whole: [u32; 2],
 }
 
 impl<'a> FrameContext<'a> {
-    /// A picture of a scene; `variant` is that of the scene, without the program of its shadow.
+    /// Computes the context; `variant` is the picture's, not the shadow's.
     pub(crate) fn of(scene: &'a Scene, subject: &'a Subject, variant: &'a Variant) -> FrameContext<'a> {
         let view = View::of(scene, subject, variant);
         let planes = view.planes(scene.quality.samples);

@@ -1,40 +1,41 @@
-//! The space of the shadow volume: rays from the light.
+//! Space of the shadow volume, spanned by rays from the light.
 
 use super::planes::SlicePlanes;
 use super::view::View;
 use crate::scene::{SHADOW_SAMPLES, Scene};
 use glam::{Mat4, Quat, Vec3};
 
-/// A light is taken to be at most this many radii of the scene away. Farther: f32 holds too few places on a ray. Nearer:
-/// shadows of a distant light spread visibly; at this distance by a third of a percent.
+/// Largest distance of a light, radii of the scene. Higher: f32 loses places along a ray. Lower: shadows of a distant
+/// light spread visibly; at this distance by a third of a percent.
 const FARTHEST: f32 = 300.0;
-/// Up to this angle from its axis, in degrees, a light is outside of the scene for sure, and the corners of the scene are
-/// what is farthest from the axis. Beyond, rays leave the light in all directions.
+/// Largest angle of a scene's corner from the axis of the light, degrees, at which the light is surely outside the
+/// scene. Beyond it, rays leave the light in all directions.
 const WIDEST: f32 = 80.0;
-/// Samples of a ray in one texel, at most. Fewer: thin matter casts no shadow. More: they take as many times longer. Pixels
-/// of the reference of `tank` at 64 x 64 differ with 16 from those with 64 by 8e-6 in the root mean square and 6e-4 at most; with 8
-/// samples by 5e-4 and 0.04.
+/// Largest number of samples of a light ray in a texel. Lower: thin matter casts no shadow. Higher: slower in
+/// proportion. Pixels of the reference of `tank` at 64 x 64 differ between 16 and 64 samples by 8e-6 (root mean square)
+/// and 6e-4 at most; between 8 and 64 by 5e-4 and 0.04.
 const MOST_STEPS: f32 = (SHADOW_SAMPLES / 4) as f32;
-/// Steps of the picture's rays in one of the light's. What a shadow is wrong by is dimmed and blurred in the picture: with 2,
-/// pictures of six scenes at 64 to 512 samples are off by at most 1.2 times as much as with 1, mostly by the same, and their
-/// shadows take some 0.7 times as long (0.5 to 1.1). Less: slower. More: thin hair, off by 1.2 to 2 times as much with 4, casts too little.
+/// Steps of the picture's rays in one step of a light ray. The picture dims and blurs errors of a shadow: with 2,
+/// pictures of six scenes at 64 to 512 samples have at most 1.2 times the error of 1, most of them an equal one, and
+/// shadows take 0.7 times as long (0.5 to 1.1). Lower: slower. Higher: with 4, thin hair casts too little (1.2 to 2
+/// times the error).
 const STRIDE: f32 = 2.0;
 
-/// Where the shadow volume of a scene is.
+/// Position and resolution of a shadow volume.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct LightSpace {
-    /// Eye space to that of the light: the light at the origin, the middle of the scene along +z.
+    /// From eye space to light space: the light at the origin, the middle of the scene along +z.
     pub(crate) matrix: Mat4,
-    /// Angle from the axis that is covered, radians.
+    /// Covered angle from the axis, radians.
     pub(crate) rim: f32,
-    /// Distances from the light between which the scene is, object units.
+    /// Distances from the light that bound the scene, object units.
     pub(crate) near: f32,
     pub(crate) far: f32,
     /// Texels along a side.
     pub(crate) side: u32,
-    /// Samples along a ray in each.
+    /// Samples along a ray in a texel.
     steps: f32,
-    /// Distance between the slices, where the light goes from one to the next; otherwise 0.
+    /// Distance between slices with half-angle slicing, otherwise 0.
     slice: f32,
 }
 
@@ -54,7 +55,7 @@ impl LightSpace {
         let seen = corners.map(|corner| matrix.transform_point3(corner));
         let angle = seen.iter().map(|p| p.truncate().length().atan2(p.z)).fold(0.0, f32::max);
         let outside = angle < WIDEST.to_radians();
-        // Of a box the nearest corner along the axis is no farther than its nearest point.
+        // The nearest corner of a box along the axis is no farther than its nearest point.
         let near = if outside { seen.iter().map(|p| p.z).fold(f32::INFINITY, f32::min).max(0.0) } else { 0.0 };
         let far = seen.iter().map(|p| p.length()).fold(0.0, f32::max).max(near + 1e-3);
         let side = scene.light.shadow_resolution;
@@ -64,7 +65,7 @@ impl LightSpace {
         LightSpace { matrix, rim, near, far, side, steps, slice }
     }
 
-    /// The longest side of a texel in the middle of the scene, to its corner across the rays; object units.
+    /// Longest side or diagonal of a texel in the middle of the scene, object units.
     fn bias(&self) -> f32 {
         let across = std::f32::consts::SQRT_2 * self.rim * (self.near + self.far) / self.side as f32;
         if self.slice > 0.0 {
@@ -73,7 +74,7 @@ impl LightSpace {
         across.max((self.far - self.near) / self.side as f32)
     }
 
-    /// The members of the block that say where the volume is.
+    /// Values of the block that locates the volume.
     pub(crate) fn values(&self) -> [(&'static str, Vec<f32>); 7] {
         [
             ("shadow_matrix", self.matrix.to_cols_array().to_vec()),
@@ -86,18 +87,18 @@ impl LightSpace {
         ]
     }
 
-    /// Squares of rays in a row of the target that the segments are drawn into: one for each four distances.
+    /// Squares of rays in a row of the segment target; a square holds four distances.
     fn columns(&self) -> u32 {
         f64::from(self.side.div_ceil(4)).sqrt().ceil() as u32
     }
 
-    /// Size of the target that the segments are drawn into.
+    /// Size of the target of the segments.
     pub(crate) fn target(&self) -> [u32; 2] {
         let columns = self.columns();
         [columns * self.side, self.side.div_ceil(4).div_ceil(columns) * self.side]
     }
 
-    /// Rays along a side of a square of the target, and where each square begins, from the light on.
+    /// Rays along a side of a square of the target, and the corner of each square in order from the light.
     pub(crate) fn squares(&self) -> (u32, impl Iterator<Item = [u32; 2]> + Clone + use<>) {
         let (side, columns) = (self.side, self.columns());
         (side, (0..side.div_ceil(4)).map(move |square| [square % columns * side, square / columns * side]))
@@ -108,8 +109,7 @@ impl LightSpace {
         [self.side, self.side, self.side + 1]
     }
 
-    /// The light before and behind each segment, ray by ray, from the transmittances of the segments in the target; each
-    /// as this `code` of it.
+    /// Light before and behind each segment, ray by ray, encoded by `code`: products of the segments' transmittances.
     pub(crate) fn products<T: Clone>(&self, segments: &[[f32; 4]], code: impl Fn(f32) -> T) -> Vec<T> {
         let (side, columns) = (self.side as usize, self.columns() as usize);
         let rays = side * side;

@@ -2,18 +2,18 @@
 //!
 //! Invariant: the planes depend on the camera's distance and on the size of the scene, never on the rotation (MJ 3.3).
 
-/// The sphere that the slices cut, in eye space: its center lies on the axis of view.
+/// Bounding sphere of the scene in eye space, its center on the axis of view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extent {
     /// Distance of the center from the camera.
     pub distance: f32,
     /// Radius.
     pub radius: f32,
-    /// Nothing nearer to the camera than this is drawn.
+    /// Near distance of the camera.
     pub near: f32,
 }
 
-/// Where the samples of a picture are: view-aligned planes, at equal distances.
+/// Equidistant view-aligned planes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlicePlanes {
     /// Depth of the plane nearest to the camera.
@@ -22,13 +22,13 @@ pub struct SlicePlanes {
     pub step: f32,
     /// Number of planes.
     pub count: u32,
-    /// Planes in front of the first, left out because they are behind the camera.
+    /// Number of planes left out because they are behind the camera.
     pub skipped: u32,
 }
 
 impl SlicePlanes {
-    /// Cuts the sphere of `extent` into `samples` parts of equal thickness, each with a plane through its middle. Planes
-    /// nearer than `extent.near` are left out, so that the camera may be inside.
+    /// Cuts the sphere of `extent` into `samples` slabs of equal thickness, each with a plane through its middle.
+    /// Leaves out planes nearer than `extent.near`, so that the camera may be inside.
     pub fn new(extent: Extent, samples: u32) -> SlicePlanes {
         let step = 2.0 * extent.radius / samples as f32;
         let depth = |plane: u32| extent.distance - extent.radius + (plane as f32 + 0.5) * step;

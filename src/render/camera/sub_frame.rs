@@ -1,28 +1,27 @@
-//! The pictures of which a picture is the mean: each with its own place in the pixel, moment and phase.
+//! Sub-frames, whose mean is the picture: each has a subpixel offset, a time and a jitter phase.
 //!
 //! Source: PH 3.1 suggests jittered rays and motion blur by rays over time.
 
 use crate::scene::{Jitter, Scene};
 use support::random::SplitMix;
 
-/// Multiples of it leave no large gap in [0, 1], however many they are.
+/// Multiples of the golden ratio leave no large gap in [0, 1], whatever their number.
 const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_8;
 
-/// One of the pictures of which a picture is the mean.
+/// One of the pictures that are averaged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SubFrame {
-    /// From the center of a pixel to where its ray goes through, in pixels: right and down, each in (-1/2, 1/2).
+    /// Subpixel offset of a ray from the pixel center: right and down, each in (-1/2, 1/2).
     pub(crate) offset: [f32; 2],
-    /// Seconds.
+    /// Time, seconds.
     pub(crate) time: f64,
-    /// Which phases the pixels have: an integer below 2^24, which a float holds; of blue noise, how far they are moved in
-    /// parts of 2^24.
+    /// Seed of the pixels' phases: an integer below 2^24, which f32 holds; for blue noise the shift of the phases in
+    /// units of 2^-24.
     pub(crate) jitter_seed: f32,
 }
 
 impl SubFrame {
-    /// The sub-frames of a scene: one through the centers of the pixels, or a number of them that cover pixel and time
-    /// evenly, each with its part of the time.
+    /// The sub-frames of a scene: one through the pixel centers, or several that cover pixel and exposure evenly.
     pub(crate) fn all(scene: &Scene) -> impl Iterator<Item = SubFrame> {
         let (count, seed) = (scene.quality.supersampling, scene.quality.seed);
         let (time, shutter) = (scene.camera.time, scene.camera.shutter);
@@ -45,8 +44,8 @@ impl SubFrame {
     }
 }
 
-/// A place in the pixel: a lattice whose projections on either axis, and on the time, are at equal distances. Its steps
-/// are those of the R2 sequence (Roberts 2018) to the nearest number that has no divisor in common with `count`.
+/// Subpixel offset from a lattice whose projections on either axis, and on time, are equidistant. The lattice steps are
+/// those of the R2 sequence (Roberts 2018), rounded to the nearest number that is coprime to `count`.
 fn offset(index: u32, count: u32) -> [f32; 2] {
     // 1 / g and 1 / g^2 with g^3 = g + 1.
     const STEP: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_3];

@@ -1,7 +1,7 @@
-//! Where eye, object and slices are: the matrices of a scene.
+//! Matrices and bounds of a scene.
 //!
-//! Eye space: the camera at the origin, looking along -z, y up; one unit is one object unit. The slices live there, and the
-//! rotation of the object reaches them through the texture matrix alone (MJ 3.3).
+//! Eye space: the camera at the origin, looking along -z, y up; one unit is one object unit. The slices live there, and
+//! the rotation of the object reaches them through the texture matrix alone (MJ 3.3).
 
 use super::planes::{Extent, SlicePlanes};
 use crate::render::subject::Subject;
@@ -11,79 +11,80 @@ use crate::shader::link::MAIN;
 use glam::camera::rh;
 use glam::{Mat4, Vec2, Vec3};
 
-/// The object fills this part of the height of a picture at zoom 1, and less where its soft region would be cut off.
+/// Share of the picture's height that the object fills at zoom 1, unless its soft region would be cut off.
 const FILL: f32 = 0.8;
-/// The most that the soft region fills at zoom 1: the rest is a margin.
+/// Largest share of the picture's height that the soft region fills at zoom 1.
 const SOFT_FILL: f32 = 0.97;
-/// Nothing nearer to the camera than this is drawn, object units. Smaller: the perspective division loses its digits.
+/// Near plane, object units. Lower: the perspective division loses its digits.
 const NEAR: f32 = 1e-3;
-/// How far the stack of slices is turned to be looked at from the side, degrees: MJ Fig. 1.
+/// Turn of the slice stack for a view from the side, degrees (MJ Fig. 1).
 const STACK_TURN: f32 = 62.0;
 
-/// Slices are crossed no flatter than this, the cosine of 80 degrees. Flatter: the path in one is six steps long and more.
+/// Lowest cosine of the angle between a ray and the slice normal (80 degrees). Lower: a path inside one slice exceeds
+/// six steps.
 pub(crate) const FLATTEST: f32 = 0.17;
 
-/// The matrices of a scene.
+/// Matrices and bounds of a scene.
 pub(crate) struct View {
     pub(crate) projection: Mat4,
     pub(crate) object_matrix: Mat4,
     pub(crate) texture_matrix: Mat4,
     pub(crate) display_matrix: Mat4,
     pub(crate) light_eye: Vec3,
-    /// The scene's own object, then the further ones.
+    /// The main object, then the additional ones.
     pub(crate) objects: Vec<ObjectView>,
     pub(crate) box_min: Vec3,
     pub(crate) box_max: Vec3,
-    /// No matter is farther from the origin of object space than this.
+    /// Radius of a ball around the origin of object space that contains all matter.
     pub(crate) soft_radius: f32,
     pub(crate) extent: Extent,
-    /// The middle of the scene in eye space: on the axis of view but for cameras of matrices.
+    /// Middle of the scene in eye space; on the axis of view unless the camera is given by matrices.
     pub(crate) center_eye: Vec3,
-    /// Radius of what fills the picture at zoom 1, eye space.
+    /// Radius of the ball that fills the picture at zoom 1, eye space.
     pub(crate) shown_radius: f32,
-    /// Unit vector across the slices, eye space: toward the camera, or half way to the light.
+    /// Slice normal in eye space: toward the camera, or halfway to the light.
     pub(crate) axis: Vec3,
     /// Half width and height of the view: at depth 1 in perspective, at any depth in parallel projection.
     pub(crate) ray_scale: [f32; 2],
-    /// How far the picture is moved to the right and down; its sides are at -1 and 1.
+    /// Shift of the picture to the right and down; its edges are at -1 and 1.
     pub(crate) pan: [f32; 2],
     slice_stack: bool,
 }
 
-/// What each object has for itself.
+/// Placement and bounds of one object.
 pub(crate) struct ObjectView {
-    /// Its name in the scene; empty for the scene's own.
+    /// Name in the scene; empty for the main object.
     pub(crate) name: String,
-    /// From its own space to object space of the scene.
+    /// From the object's own space to object space of the scene.
     pub(crate) place: Mat4,
-    /// Units of the scene in one of its own.
+    /// Scene units in one unit of the object.
     pub(crate) scale: f32,
-    /// Signed distance at which the soft region starts, its own units.
+    /// Signed distance at which the soft region starts, own units.
     pub(crate) outer_iso: f32,
-    /// Box around the soft region, its own space.
+    /// Box around the soft region, own space.
     pub(crate) own_min: Vec3,
     pub(crate) own_max: Vec3,
-    /// No matter is farther from the origin of its own space than this.
+    /// Radius of a ball around the origin that contains all matter, own space.
     pub(crate) own_radius: f32,
-    /// How far its warps move lookups, and matter.
+    /// Bounds of the displacement of lookups and of matter by warps.
     pub(crate) spread: Spread,
-    /// Half the size of the soft region before any warp, its own space.
+    /// Half size of the unwarped soft region, own space.
     half_size: Vec3,
-    /// The sphere around the object alone: its center and its radius, object space of the scene.
+    /// Sphere around the object without its soft region, object space of the scene.
     center: Vec3,
     radius: f32,
-    /// Width of the soft region around it, object space of the scene.
+    /// Width of the soft region, object space of the scene.
     soft: f32,
 }
 
 impl ObjectView {
     fn of(name: &str, place: Transform, scene: &Scene, subject: &Subject, parameters: &Parameters) -> ObjectView {
-        // Of the scene, not of the program: pre-classification softens the voxels, and its program does not.
+        // The scene decides, not the program: pre-classification softens voxels, and its program is hard.
         let soft = scene.effect.softness != "hard";
         let declared = parameters.outer_iso().unwrap_or(scene.object.outer_iso);
         let outer_iso = if soft { declared } else { scene.object.inner_iso };
         let half_size = subject.half_size + outer_iso.max(0.0);
-        // The radius is that of the samples inside: the surface is at most a voxel beyond. And a rounding.
+        // The radius is that of samples inside: the surface is at most a voxel farther out, plus rounding.
         let voxel = subject.field.as_ref().map_or(0.0, |field| field.grid.spacing.length() * subject.scale);
         let radius = 1.0001 * (subject.radius + voxel + outer_iso.max(0.0));
         let spread = parameters.spread(radius);
@@ -103,7 +104,7 @@ impl ObjectView {
         }
     }
 
-    /// The box in object space of the scene around one in its own.
+    /// Box in object space of the scene around a box in the object's own space.
     fn around(&self, low: Vec3, high: Vec3) -> (Vec3, Vec3) {
         let corners = (0..8).map(|corner| {
             let pick = |axis: usize| if corner >> axis & 1 == 1 { high[axis] } else { low[axis] };
@@ -112,23 +113,24 @@ impl ObjectView {
         corners.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), corner| (low.min(corner), high.max(corner)))
     }
 
-    /// The box around its soft region, object space of the scene.
+    /// Box around the soft region, object space of the scene.
     fn soft_box(&self) -> (Vec3, Vec3) {
         self.around(self.own_min, self.own_max)
     }
 
-    /// The same before any warp.
+    /// Box around the unwarped soft region, object space of the scene.
     fn unwarped_box(&self) -> (Vec3, Vec3) {
         self.around(-self.half_size, self.half_size)
     }
 
-    /// No matter is farther from a point of object space of the scene than this.
+    /// Upper bound of the distance from a point to any matter, object space of the scene.
     fn farthest(&self, from: Vec3) -> f32 {
         self.center.distance(from) + self.scale * self.own_radius
     }
 }
 
-/// What holds of the whole: `of` an object, and of two together where both or one of them is.
+/// Evaluates the boolean formula of a scene over a bound `of` each object; `both` combines bounds for an intersection,
+/// `either` for a union.
 fn whole<T>(
     scene: &Scene,
     objects: &[ObjectView],
@@ -142,17 +144,17 @@ fn whole<T>(
     bound.unwrap_or_else(|| objects[1..].iter().map(&of).fold(of(&objects[0]), &either))
 }
 
-/// The box of the whole around a box of each of its objects, object space of the scene.
+/// Box of the scene, from a box of each of its objects, object space of the scene.
 fn box_of(scene: &Scene, objects: &[ObjectView], of: impl Fn(&ObjectView) -> (Vec3, Vec3)) -> (Vec3, Vec3) {
     let both = |a: (Vec3, Vec3), b: (Vec3, Vec3)| {
         let (low, high) = (a.0.max(b.0), a.1.min(b.1));
-        if low.cmplt(high).all() { (low, high) } else { a } // objects that are apart: nothing is there to be seen
+        if low.cmplt(high).all() { (low, high) } else { a } // disjoint objects: the intersection is empty
     };
     whole(scene, objects, of, both, |a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
 
-/// How far a point may be from the center of a ball that is also in a box of this half size around it, when both are
-/// stretched: the radius of the ball goes to the axes that are stretched most, as far as the box lets it.
+/// Largest distance from the center of a point that lies in a ball and in a box around it, after a stretch of both. The
+/// radius is spent on the most stretched axes first, up to the sides of the box.
 fn farthest(half_size: Vec3, radius: f32, stretch: Vec3) -> f32 {
     let mut axes = [0, 1, 2];
     axes.sort_by(|&a, &b| stretch[b].total_cmp(&stretch[a]));
@@ -165,8 +167,8 @@ fn farthest(half_size: Vec3, radius: f32, stretch: Vec3) -> f32 {
     sum.sqrt()
 }
 
-/// Half the height of the view at the depth of the middle of the scene, object units: what [`crate::scene::Camera::pan`]
-/// is measured by.
+/// Half the height of the view at the depth of the middle of the scene, object units: the unit of
+/// [`crate::scene::Camera::pan`].
 pub fn half_height(scene: &Scene, subject: &Subject, variant: &Variant) -> f32 {
     let view = View::of(scene, subject, variant);
     match scene.camera.projection {
@@ -189,11 +191,11 @@ impl View {
             ));
         }
         let (box_min, box_max) = box_of(scene, &objects, ObjectView::soft_box);
-        // What the camera looks at does not move with what drips.
+        // The target of the camera does not move with drips.
         let (core_min, core_max) = box_of(scene, &objects, ObjectView::unwarped_box);
         let center = 0.5 * (core_min + core_max);
         let ball = |from: Vec3| whole(scene, &objects, |own| own.farthest(from), f32::min, f32::max);
-        // Half of what the picture shows: without the soft regions in its middle, with them to its rim.
+        // Half of the visible size; `soft` is the share of the soft regions in it.
         let shown = |soft: f32| match objects.as_slice() {
             [own] => own.radius + soft * own.soft,
             all => {
@@ -203,8 +205,8 @@ impl View {
         };
         let reach = (shown(0.0) / FILL).max(shown(1.0) / SOFT_FILL);
 
-        let lens = camera.lens().ok().flatten(); // it was checked with the scene
-        let turn = lens.map_or_else(|| camera.turn(), |lens| lens.turn); // the trackball
+        let lens = camera.lens().ok().flatten(); // checked with the scene
+        let turn = lens.map_or_else(|| camera.turn(), |lens| lens.turn);
         let stretch = Vec3::from(scene.object.stretch);
         let half_height = reach * stretch.max_element() / camera.zoom;
         let shown_radius = shown(0.0) * stretch.max_element();
@@ -265,7 +267,7 @@ impl View {
         }
     }
 
-    /// The planes of the slices. Of those that do not face the camera none is left out: the light goes through all.
+    /// Planes of the slices. Half-angle slices are complete, since the light passes through all of them.
     pub(crate) fn planes(&self, samples: u32) -> SlicePlanes {
         match self.axis == Vec3::Z {
             true => SlicePlanes::new(self.extent, samples),
@@ -276,13 +278,13 @@ impl View {
         }
     }
 
-    /// How far the scene reaches from the axis of view, and from the eye; more than that for some.
+    /// Upper bounds of the scene's extent from the axis of view and from the eye.
     pub(crate) fn reaches(&self) -> [f32; 2] {
         let aside = self.center_eye.truncate().length();
         [aside + self.extent.radius, aside + self.extent.distance.abs() + self.extent.radius]
     }
 
-    /// The color of a slice by its place in the stack: white, unless the stack itself is looked at.
+    /// Color of a slice by its place in the stack: white, unless the stack is viewed from the side.
     pub(crate) fn tint(&self) -> impl Fn(f32) -> [f32; 4] + use<> {
         let slice_stack = self.slice_stack;
         move |place| {
@@ -291,7 +293,7 @@ impl View {
     }
 }
 
-/// Unit vector across the slices of a scene, toward its light, in eye space; z for view-aligned slices.
+/// Slice normal of a scene in eye space, on the side of the light; z for view-aligned slices.
 pub(crate) fn axis(scene: &Scene) -> Vec3 {
     let to_light = Vec3::from(scene.light.position).normalize_or(Vec3::Z);
     match scene.is_half_angle() {
@@ -301,7 +303,7 @@ pub(crate) fn axis(scene: &Scene) -> Vec3 {
     }
 }
 
-/// The most that a ray of the picture travels between two planes, over their distance.
+/// Largest path of a ray between two planes, relative to their distance.
 pub(crate) fn slant(scene: &Scene, view: &View) -> f32 {
     let farthest = (Vec2::from(view.pan).abs() + 1.0) * Vec2::from(view.ray_scale);
     let signs = [Vec2::ONE, Vec2::NEG_ONE, Vec2::new(1.0, -1.0), Vec2::new(-1.0, 1.0)];

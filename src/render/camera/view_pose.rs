@@ -1,8 +1,7 @@
-//! Where a picture is looked at from, so that what is seen can be moved before there is a new picture.
+//! Reprojection of a picture to another camera, until the new picture is rendered.
 //!
-//! Role: two cameras -> where in the picture of one is what the other shows. What is seen is taken for a ball as large as the
-//! object, and what is beside it stands upright in the plane through its middle: right at its middle, and nearly so as long
-//! as little has turned.
+//! The visible part is approximated by a ball as large as the object; anything beside the ball stands upright in the
+//! plane through its middle. Exact at the middle, and nearly so after a small turn.
 
 use super::view::View;
 use crate::render::subject::Subject;
@@ -10,19 +9,20 @@ use crate::render::variant::Variant;
 use crate::scene::{Projection, Scene};
 use glam::{Mat4, Vec2, Vec3};
 
-/// From here on, in radii of the ball, what is seen does not turn with it; up to the ball it turns less and less.
+/// Distance from the middle, in radii of the ball, at which points stop turning with the ball. Between 1 and this the
+/// turn fades.
 const STANDS_FROM: f32 = 1.3;
-/// How far the ball stands out, in parts of a ball's: objects are thinner than that.
+/// Depth of the relief relative to a ball; objects are flatter.
 const RELIEF: f32 = 0.8;
 
-/// Where a picture of a scene is looked at from.
+/// Camera pose of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ViewPose {
-    /// From object space to that of the eye.
+    /// From object space to eye space.
     object_matrix: Mat4,
-    /// Depth of its middle.
+    /// Depth of the middle of the scene.
     distance: f32,
-    /// Radius of the ball that it is taken for.
+    /// Radius of the approximating ball.
     radius: f32,
     ray_scale: Vec2,
     pan: Vec2,
@@ -30,7 +30,7 @@ pub struct ViewPose {
 }
 
 impl ViewPose {
-    /// That of a scene; `variant` is its program.
+    /// Pose of a scene; `variant` is its program.
     pub fn of(scene: &Scene, subject: &Subject, variant: &Variant) -> ViewPose {
         let view = View::of(scene, subject, variant);
         ViewPose {
@@ -43,7 +43,7 @@ impl ViewPose {
         }
     }
 
-    /// Where what is at a place of this picture is in the picture of another sight. Places are from -1 to 1, to the right
+    /// Maps a place in this picture to its place in the picture of another pose. Places are in [-1, 1], to the right
     /// and down.
     pub fn reproject(&self, to: &ViewPose, at: [f32; 2]) -> [f32; 2] {
         let flat = (Vec2::from(at) - self.pan) * self.ray_scale * self.depth(0.0) * Vec2::new(1.0, -1.0);
@@ -58,7 +58,7 @@ impl ViewPose {
         (seen.truncate() / scale + to.pan).into()
     }
 
-    /// By how much a place of the picture goes into the width at this depth, from the middle toward the eye.
+    /// Scale from places of the picture to lengths, at a distance `toward` the eye from the middle.
     fn depth(&self, toward: f32) -> f32 {
         if self.is_parallel { 1.0 } else { self.distance - toward }
     }
@@ -80,7 +80,7 @@ mod tests {
         (ViewPose::of(&scene, &subject, &variant), View::of(&scene, &subject, &variant))
     }
 
-    /// Where a point of object space is in a picture, by the projection that it is rendered with.
+    /// Place of an object-space point in a picture, by the projection of the renderer.
     fn rendered(view: &View, point: Vec3) -> Vec2 {
         let clip = view.projection * view.object_matrix * point.extend(1.0);
         Vec2::new(clip.x, clip.y) / clip.w + Vec2::from(view.pan)
@@ -96,7 +96,7 @@ mod tests {
                 (scene.camera.pan, scene.camera.zoom, scene.image.size) = ([0.3, -0.2], 1.7, [300, 350]);
             });
             for place in [Vec3::new(0.9, 0.6, 0.0), Vec3::new(-0.2, 1.4, 0.0), Vec3::new(1.6, -0.1, 0.0)] {
-                // Points that stand in the plane through the middle, whichever way the object is turned, and no relief.
+                // Points of the upright plane through the middle, whatever the turn of the object; without relief.
                 let [a, b] = [&old, &new].map(|view| {
                     let eye = view.object_matrix.transform_point3(Vec3::ZERO) + place;
                     let clip = view.projection * eye.extend(1.0);
@@ -104,7 +104,7 @@ mod tests {
                 });
                 let moved = Vec2::from(from.reproject(&to, a.into()));
                 let off = moved.distance(b);
-                let inside = place.length() < 1.0; // the relief there is nearer to the eye
+                let inside = place.length() < 1.0; // the relief inside is nearer to the eye
                 assert!(off < if inside { 0.2 } else { 1e-3 }, "{projection:?} {place}: {moved} for {b}");
             }
             let there_and_back = to.reproject(&from, from.reproject(&to, [0.1, 0.2]));

@@ -1,4 +1,4 @@
-//! Volumes in bricks: which of them a scene can reach, and what that saves.
+//! Bricks of volumes that a scene can reach, and the memory that they save.
 
 use super::object_inputs::ObjectInputs;
 use crate::render::camera::SlicePlanes;
@@ -6,21 +6,21 @@ use crate::render::texture::{Bricks, Texels};
 use crate::scene::{Integration, RayPath};
 use serde::{Deserialize, Serialize};
 
-/// A volume of which the device has bricks alone.
+/// Memory of a volume of which only some bricks are stored.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Sparse {
-    /// Bricks that are stored.
+    /// Number of stored bricks.
     pub stored: usize,
     /// Bricks of the whole volume.
     pub bricks: usize,
-    /// Bytes of the texels of the bricks that are stored, and of their index.
+    /// Bytes of the stored bricks and of their index.
     pub bytes: u64,
-    /// Bytes of the texels of the whole volume.
+    /// Bytes of the whole volume.
     pub dense_bytes: u64,
 }
 
 impl Sparse {
-    /// Leaves the bricks that are stored of a volume, and counts what that saves.
+    /// Replaces a volume by its stored bricks, and counts the savings.
     pub(crate) fn add(&mut self, volume: &mut Texels, bricks: &Bricks) {
         let voxels: usize = volume.size.iter().map(|side| *side as usize).product();
         self.dense_bytes += volume.bytes.len() as u64;
@@ -35,14 +35,14 @@ impl Sparse {
 }
 
 impl ObjectInputs<'_> {
-    /// The bricks of the volume that the scene can reach.
+    /// Bricks of the volume that the scene can reach.
     ///
-    /// A distance is looked up wherever a warp says, but only what is below the outer iso-value is matter, and a gradient
-    /// looks a voxel further; the end of a segment may lie anywhere outside. Of what is opaque the first sample is seen,
-    /// which is no deeper than a step along the most slanted ray, and what a warp moves lookups apart; any may be seen of matter
-    /// that lets light through, or that a DMF may have made so.
+    /// Warps look distances up anywhere, but only those below the outer iso-value are matter, and a gradient looks a
+    /// voxel further; the end of a segment may lie anywhere outside. Of opaque matter only the first sample is seen:
+    /// its depth is at most a step along the most slanted ray, plus the displacement by warps. Of translucent or
+    /// modulated matter any sample may be seen.
     pub(crate) fn bricks(&self, looked_for: f32, texels: &Texels, planes: &SlicePlanes) -> Option<Bricks> {
-        const MOST_SLANTED: f32 = 4.0; // three quarters of a right angle off the axis of view
+        const MOST_SLANTED: f32 = 4.0; // 22 degrees from the slice plane
         let (scene, field) = (&self.scene, self.subject.field.as_ref()?);
         let voxels = 2.0 * field.grid.spacing.max_element() * self.subject.scale;
         let outer = match scene.quality.integration {
@@ -50,7 +50,7 @@ impl ObjectInputs<'_> {
             Integration::Segment => self.reach(),
         };
         let effect = &scene.effect;
-        let straight = effect.ray_path == RayPath::Straight; // one that bends may go through clear matter
+        let straight = effect.ray_path == RayPath::Straight; // bent rays may pass through clear matter
         let opaque =
             straight && (effect.classify == "surface" || (effect.dmf.is_empty() && effect.opacity == "perlin"));
         let step = planes.step / glam::Vec3::from(scene.object.stretch).min_element();

@@ -1,4 +1,4 @@
-//! All that a picture is computed from, for a processor to compute it.
+//! Inputs of a picture for evaluation on the CPU.
 
 use super::encoded::Encoded;
 use super::images::{Inputs, SHADOW};
@@ -14,20 +14,20 @@ use crate::shader::Library;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// The blocks of a program, by binding.
+/// Uniform blocks of a program, by binding.
 pub type Blocks = BTreeMap<u32, Vec<u8>>;
 
-/// What a program reads, for every sub-frame of a picture.
+/// Inputs of a program for every sub-frame of a picture.
 pub struct CpuInputs {
     inputs: Inputs,
     moments: Vec<Values>,
     space: LightSpace,
-    /// Depths between which the scene is.
+    /// Depths that bound the scene.
     pub depths: [f64; 2],
 }
 
 impl CpuInputs {
-    /// What `program`, of the same scene as `variant`, reads.
+    /// Inputs of `program`, which belongs to the scene of `variant`.
     pub fn new(
         library: &Library,
         scene: &Scene,
@@ -45,7 +45,7 @@ impl CpuInputs {
         Ok(CpuInputs { inputs, moments, space, depths })
     }
 
-    /// The images but for the shadow volume, and the samplers, as [`eval`] takes them; as yet without blocks.
+    /// Images and samplers for [`eval`], without the shadow volume and without uniform blocks.
     pub fn exact(&self) -> eval::Inputs {
         eval::Inputs {
             blocks: BTreeMap::new(),
@@ -56,7 +56,7 @@ impl CpuInputs {
         }
     }
 
-    /// The blocks of a program that reads no value which this one does not have, for each sub-frame, by binding.
+    /// Uniform blocks of a program for each sub-frame, by binding. The program may be any that reads no further values.
     pub fn moments(&self, program: &Program) -> Result<Vec<Blocks>, RenderError> {
         let filled = |values| {
             let blocks = blocks(program, values)?;
@@ -65,17 +65,17 @@ impl CpuInputs {
         self.moments.iter().map(filled).collect()
     }
 
-    /// Binding of the shadow volume, where the program reads one.
+    /// Binding of the shadow volume, if the program reads one.
     pub fn shadow_binding(program: &Program) -> Option<u32> {
         program.resources.iter().find(|resource| resource.name == SHADOW).map(|resource| resource.binding)
     }
 
-    /// Size of the target that the segments of the shadow volume are drawn into.
+    /// Size of the target of the shadow volume's segments.
     pub fn shadow_target(&self) -> [u32; 2] {
         self.space.target()
     }
 
-    /// Rays along a side of a square of that target, and where each square begins, from the light on.
+    /// Rays along a side of a square of that target, and the corner of each square in order from the light.
     pub fn shadow_squares(&self) -> (u32, impl Iterator<Item = [u32; 2]> + Clone + use<>) {
         self.space.squares()
     }
@@ -86,7 +86,7 @@ impl CpuInputs {
     }
 }
 
-/// An image as [`exact`] samples it.
+/// Decodes an image for [`eval`].
 pub(crate) fn texture(image: &Encoded) -> eval::Texture {
     eval::Texture { size: image.dimension.size(), texels: image.format.decode(image.bytes()) }
 }

@@ -1,14 +1,14 @@
-//! Images and samplers as the device takes them.
+//! Images and samplers encoded for the device.
 
 use crate::gpu::{Address, Dimension, Format};
 use crate::scene::{Quality, Wrap};
 use serde::{Deserialize, Serialize};
 
-/// An image that a program reads.
+/// Description of an image that a program reads.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct ImageInfo {
-    /// What it holds.
+    /// Name in words.
     pub name: String,
     /// Texels along each axis.
     pub size: [u32; 3],
@@ -20,7 +20,7 @@ pub struct ImageInfo {
     pub bytes: u64,
 }
 
-/// An image, encoded.
+/// An encoded image.
 pub(crate) struct Encoded {
     pub(crate) name: &'static str,
     pub(crate) dimension: Dimension,
@@ -28,7 +28,7 @@ pub(crate) struct Encoded {
     pub(crate) content: Content,
 }
 
-/// Texels as they were made, x fastest.
+/// Texels in their native type, x fastest.
 pub(crate) enum Content {
     Bytes(Vec<u8>),
     Codes(Vec<u16>),
@@ -36,7 +36,7 @@ pub(crate) enum Content {
 }
 
 impl Encoded {
-    /// The texels as the device takes them.
+    /// Texels as bytes.
     pub(crate) fn bytes(&self) -> &[u8] {
         match &self.content {
             Content::Bytes(bytes) => bytes,
@@ -46,7 +46,7 @@ impl Encoded {
     }
 }
 
-/// A sampler: what it returns outside [0, 1], and its anisotropy, 1 for none.
+/// A sampler: its address mode, and its anisotropy (1 for none).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Filter {
     pub(crate) address: Address,
@@ -54,9 +54,9 @@ pub(crate) struct Filter {
 }
 
 impl Filter {
-    /// The sampler of a name in `interface.glsl`. Only that of volumes is anisotropic: a driver may end by an anisotropic
-    /// sampler of an image of one dimension (lavapipe of Mesa 22.3), a table is never seen at a slant, and blocks are
-    /// read at a level of their own.
+    /// Sampler of a binding name in `interface.glsl`. Only the volume sampler is anisotropic: lavapipe of Mesa 22.3
+    /// crashes with an anisotropic sampler of a 1D image, tables are never seen at a slant, and blocks are read at an
+    /// explicit level.
     pub(crate) fn of(name: &str, quality: &Quality) -> Filter {
         let (address, anisotropy) = match name {
             "table_sampler" => (Address::Clamp, 1.0),

@@ -1,5 +1,4 @@
-//! What a program reads, made without a device: the values of its blocks, its images encoded, and nothing that it does
-//! not read.
+//! Inputs of a program, encoded on the CPU: uniform values and only those images that the program reads.
 
 use super::bricks::Sparse;
 use super::encoded::{Content, Encoded, Filter};
@@ -19,33 +18,33 @@ use crate::scene::Scene;
 use crate::shader::Library;
 use std::cell::Cell;
 
-/// The volumes of one object, as far as its program reads them.
+/// Encoded volumes of one object, as far as the program reads them.
 struct Volumes {
     texels: Option<Texels>,
-    /// The offsets to the closest points.
+    /// Offsets to the closest points.
     offsets: Option<Texels>,
     bricks: Option<Bricks>,
 }
 
-/// The inputs of one program, but for the shadow volume, which is rendered.
+/// Inputs of one program except the images that are rendered, such as the shadow volume.
 pub(crate) struct Inputs {
-    /// The images by binding.
+    /// Images by binding.
     pub(crate) images: Vec<(u32, Encoded)>,
-    /// The samplers by binding.
+    /// Samplers by binding.
     pub(crate) samplers: Vec<(u32, Filter)>,
-    /// What bricks save.
+    /// Memory saved by bricks.
     pub(crate) sparse: Option<Sparse>,
-    /// Whether a table holds what parameters of modules say.
+    /// Whether a table depends on module parameters.
     pub(crate) holds_parameters: bool,
     stored: StoredObjects,
 }
 
-/// How the distance of each object is stored, in the order of the view's objects.
+/// Storage of the distances of each object, in the order of the view's objects.
 #[derive(Clone)]
 pub(crate) struct StoredObjects(Vec<StoredDistance>);
 
 impl Inputs {
-    /// Encodes every image that a program reads; `progress` is told of each block of noise.
+    /// Encodes every image that a program reads; `progress` reports each noise block.
     pub(crate) fn new(
         library: &Library,
         shot: &FrameContext<'_>,
@@ -108,14 +107,14 @@ impl Inputs {
         Ok(Inputs { images, samplers, sparse, holds_parameters: holds_parameters.get(), stored })
     }
 
-    /// How the distances of the objects are stored.
+    /// Storage of the objects' distances.
     pub(crate) fn stored(&self) -> &StoredObjects {
         &self.stored
     }
 }
 
 impl StoredObjects {
-    /// Of objects that are not stored: what depends on it has the values of formulas.
+    /// Storage of formulas, for uses that need no volume.
     pub(crate) fn none(view: &View) -> StoredObjects {
         StoredObjects(vec![StoredDistance::default(); view.objects.len()])
     }
@@ -125,7 +124,7 @@ impl StoredObjects {
         self.0.iter().map(|stored| stored.quantization).fold(0.0, f32::max)
     }
 
-    /// The values of every member of the blocks for one picture.
+    /// Values of all block members for one sub-frame.
     pub(crate) fn values(&self, shot: &FrameContext<'_>, sub_frame: &SubFrame) -> Values {
         let FrameContext { scene, subject, variant, view, planes, space, .. } = shot;
         let objects = view.objects.iter().zip(&self.0);
@@ -142,14 +141,14 @@ impl StoredObjects {
     }
 }
 
-/// The shadow volume's name in `interface.glsl`.
+/// Binding of the shadow volume in `interface.glsl`.
 pub(crate) const SHADOW: &str = "shadow_image";
-/// The names of the light's buffers there.
+/// Bindings of the light buffers.
 pub(crate) const BEFORE: &str = "light_before_image";
 pub(crate) const BEHIND: &str = "light_behind_image";
-/// The name of the cells there.
+/// Binding of the cell grid.
 pub(crate) const CELLS: &str = "cell_image";
-/// What an image depends on, in words, for objects that are loaded.
+/// Text of all that an image depends on, for loaded objects.
 pub(crate) fn image_key(shot: &FrameContext<'_>, name: &str) -> String {
     let FrameContext { scene, subject, variant, view, planes, .. } = shot;
     if let Some(key) = block_key(scene, name) {
@@ -181,7 +180,8 @@ pub(crate) fn image_key(shot: &FrameContext<'_>, name: &str) -> String {
     }
 }
 
-/// The image of a name in `interface.glsl` or `part.glsl` that is no block; takes what was encoded of the object.
+/// Encodes the image of a binding in `interface.glsl` or `part.glsl`, other than noise; takes the encoded volumes of
+/// its object.
 fn image(
     scene: &Scene,
     items: &[ObjectInputs<'_>],

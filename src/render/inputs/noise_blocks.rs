@@ -1,6 +1,6 @@
-//! Blocks of noise and turbulence, and the tables of noise: the images of a scene that depend on no object.
+//! Noise and turbulence blocks, and noise tables: images that depend on no object.
 //!
-//! Invariant: a block is made of its [`Recipe`] alone, so that the same one is not made again in the next run.
+//! Invariant: a block depends on its [`Recipe`] alone, under which the disk cache keeps it.
 
 use super::encoded::{Content, Encoded};
 use crate::field::Progress;
@@ -13,23 +13,23 @@ use std::iter;
 use std::sync::{Mutex, OnceLock, PoisonError};
 use support::disk_cache::{self, Kind};
 
-/// Texels along a side of the tile of phases, a power of two. More: it takes longer to make. Fewer: it is seen to repeat.
+/// Side of the tile of jitter phases, a power of two. Higher: slower to compute. Lower: visibly periodic.
 const PHASES: usize = 64;
-/// Raise it when a recipe gives other bytes.
+/// Increment when a recipe gives other bytes.
 const VERSION: u32 = 1;
-/// Blocks of fewer texels along a side are made faster than they are read.
+/// Lowest side of blocks in the disk cache; smaller ones are computed faster than read.
 const KEPT_FROM: u32 = 64;
-/// Less: two blocks of 256^3 texels push each other out. More: a person finds a full disk.
+/// Lower: two blocks of 256^3 texels evict each other. Higher: the cache fills the disk.
 const KIND: Kind = Kind { ends: &["block"], limit: 1 << 30 };
 
-/// What a block holds. Equal recipes make equal bytes.
+/// Content of a block. Equal recipes give equal bytes.
 #[derive(Clone, Copy, Debug)]
 enum Recipe {
     Values(Bake),
     Gradients(Bake),
-    /// Four octaves of noise, from this one on.
+    /// Four octaves of noise, starting at this one.
     Channels(Bake),
-    /// Random texels, their seed, side and blur.
+    /// Random texels: seed, side and blur.
     Random(u64, u32, f32),
 }
 
@@ -38,8 +38,8 @@ impl Recipe {
         if matches!(self, Recipe::Values(_)) { 1 } else { 4 }
     }
 
-    /// The level that lacks the last octaves, in half as many texels for each of them; and what it lacks of the mean of the
-    /// block: of these octaves, and of the others, which the filter blurs more.
+    /// Mip level without the `faded` last octaves, at half the resolution for each; and the difference of its mean from
+    /// the block's: that of the faded octaves and of the stronger blur of the others.
     fn level(&self, faded: u32) -> (Recipe, f32) {
         let mean = |bake: &Bake| -> f32 {
             let octave =
@@ -78,7 +78,7 @@ impl Recipe {
         }
     }
 
-    /// The bytes of the levels down to the one that lacks so many octaves, made or read.
+    /// Bytes of all levels down to the one without `faded` octaves.
     fn levels(&self, size: u32, faded: u32, depth: Depth, progress: Progress<'_>) -> Vec<u8> {
         let mut bytes = self.bytes(size, depth, progress);
         for faded in 1..=faded {
@@ -88,7 +88,7 @@ impl Recipe {
         bytes
     }
 
-    /// The bytes, made or read.
+    /// Bytes of the block, from the disk cache or computed.
     fn bytes(&self, size: u32, depth: Depth, progress: Progress<'_>) -> Vec<u8> {
         if size < KEPT_FROM {
             return self.make(0.0, depth, progress);
@@ -102,8 +102,8 @@ impl Recipe {
     }
 }
 
-/// The block or table of a name in `interface.glsl`; `None` for names of other images. `progress` is called with the part
-/// of a block that is done, from any thread.
+/// Encodes the noise block or table of a binding in `interface.glsl`; `None` for other images. `progress` receives the
+/// finished share of a block, from any thread.
 pub(crate) fn block(scene: &Scene, name: &str, progress: Progress<'_>) -> Option<Encoded> {
     let row = |name, index: usize| {
         let texels = texture::table_rows(&Noise::new(SEED, weights(scene)))[index].clone();
@@ -135,7 +135,7 @@ pub(crate) fn block(scene: &Scene, name: &str, progress: Progress<'_>) -> Option
     Some(Encoded { name, dimension: Dimension::Volume(size, size, size), format, content })
 }
 
-/// What a block or table of a name depends on, in words; `None` for names of other images.
+/// Text of all that a noise block or table depends on; `None` for other images.
 pub(crate) fn block_key(scene: &Scene, name: &str) -> Option<String> {
     match name {
         "permutation_image" | "gradient_image" | "phase_image" => Some(format!("{:?}", weights(scene))),
@@ -143,7 +143,7 @@ pub(crate) fn block_key(scene: &Scene, name: &str) -> Option<String> {
     }
 }
 
-/// The mean of |noise| of the block of random texels, which octaves of it leave that fade; 0 where nothing sums them.
+/// Mean of |noise| of the block of random texels, which replaces faded octaves; 0 if no octaves are summed.
 pub(crate) fn random_mean(scene: &Scene) -> f32 {
     static LAST: Mutex<Option<((u32, f32), f32)>> = Mutex::new(None);
     let mut effects = iter::once(&scene.effect).chain(scene.parts.values().map(|part| &part.effect));
@@ -162,7 +162,7 @@ fn weights(scene: &Scene) -> Weights {
     if scene.effect.weights == "cubic" { Weights::Cubic } else { Weights::Quintic }
 }
 
-/// What an error calls the block of a name in `interface.glsl`, what it holds and how, and how many levels follow it.
+/// Name in words, recipe, bit depth and further levels of the noise block of a binding.
 fn recipe(scene: &Scene, name: &str) -> Option<(&'static str, Recipe, Depth, u32)> {
     let size = scene.quality.block_size;
     let weights = weights(scene);
@@ -185,7 +185,7 @@ fn recipe(scene: &Scene, name: &str) -> Option<(&'static str, Recipe, Depth, u32
         (BlockFormat::Unorm16, _) | (BlockFormat::Auto, 4) => Depth::Sixteen,
         (BlockFormat::Float32 | BlockFormat::Auto, _) => Depth::Float,
     };
-    // What is summed is taken apart by levels: see glsl/octave_levels.glsl.
+    // Sums of octaves fade by levels: see glsl/octave_levels.glsl.
     let fades = scene.effect.bandlimit != "none";
     let faded = match recipe {
         Recipe::Values(bake) | Recipe::Gradients(bake) if bake.absolute && fades => bake.octaves,

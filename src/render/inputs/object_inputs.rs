@@ -1,4 +1,4 @@
-//! One object of a scene: its volume, and what that holds.
+//! Inputs of one object of a scene: its volume and the storage of its distances.
 
 use crate::render::camera::ObjectView;
 use crate::render::error::RenderError;
@@ -8,7 +8,7 @@ use crate::render::texture::{Encoding, Texels};
 use crate::render::variant::Variant;
 use crate::scene::{Parameters, Scene, Source};
 
-/// How a distance is stored in a volume, units of its object: `x + y s` for a texel s.
+/// Decoding of a distance stored in a volume, units of its object: `x + y s` for a texel s.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct StoredDistance {
     pub(crate) decode: [f32; 2],
@@ -17,14 +17,14 @@ pub(crate) struct StoredDistance {
     pub(crate) closest_range: f32,
 }
 
-/// What an error calls the closest points.
+/// Name of the closest points in messages.
 pub(crate) const CLOSEST: &str = "closest points";
 
-/// One object of the scene, with what its names in the program end in.
+/// One object of the scene, with the suffix of its names in the program.
 pub(crate) struct ObjectInputs<'a> {
     pub(crate) suffix: String,
     pub(crate) own: &'a ObjectView,
-    /// The scene with this object as its only one.
+    /// The scene reduced to this object.
     pub(crate) scene: Scene,
     pub(crate) subject: &'a Subject,
     pub(crate) parameters: &'a Parameters,
@@ -59,14 +59,14 @@ impl<'a> ObjectInputs<'a> {
         }
     }
 
-    /// The volume of the object; `None` for a formula.
+    /// Volume of the object; `None` for a formula.
     pub(crate) fn volume(&self, variant: &Variant) -> Option<Texels> {
         let field = self.subject.field.as_ref()?;
         let (encoding, range) = self.encoding(variant);
         Some(texture::encode(field, encoding, range))
     }
 
-    /// How the volume is stored, and the distances that it tells apart, units of the field.
+    /// Encoding of the volume, and the stored range of distances, units of the field.
     pub(crate) fn encoding(&self, variant: &Variant) -> (Encoding, [f32; 2]) {
         let slot = if self.own.name.is_empty() { "object".into() } else { format!("{}.object", self.own.name) };
         let encoding = match (self.scene.object.source, variant.module(&slot)) {
@@ -79,13 +79,13 @@ impl<'a> ObjectInputs<'a> {
         (encoding, [-reach, reach])
     }
 
-    /// Distances beyond this are all alike, units of the object: the soft region and as much again on either side, since
-    /// gradients and filters read beyond it.
+    /// Largest stored distance, units of the object: twice the soft region on either side, since gradients and filters
+    /// read beyond it.
     pub(crate) fn reach(&self) -> f32 {
         self.own.outer_iso.abs() + self.scene.object.inner_iso.abs() + 0.25
     }
 
-    /// The offsets to the closest points of the inner surface, and their range in the units of the field.
+    /// Offsets to the closest points of the inner surface, and their range in units of the field.
     pub(crate) fn closest(&self) -> Result<(Texels, f32), RenderError> {
         let both = self.subject.field.as_ref().zip(self.subject.closest.as_ref());
         let (field, closest) = both.ok_or(RenderError::Missing(CLOSEST))?;
@@ -96,11 +96,11 @@ impl<'a> ObjectInputs<'a> {
         ))
     }
 
-    /// How much nearer the matter may be than a sampled distance says, units of the object.
+    /// Upper bound of a sampled distance minus the true one, units of the object.
     ///
-    /// A warp moves the place that is looked up, here and wherever the ray lands, not alike. The filter mixes the
-    /// distances of eight samples, whose weighted mean is at most half a voxel's diagonal away (by Jensen's
-    /// inequality); a stored distance is rounded; and f32 has its own few ulps.
+    /// Warps move the lookup, at the sample and at the end of a skip by different amounts. The trilinear filter mixes
+    /// eight samples whose weighted mean is at most half a voxel diagonal away (Jensen's inequality). A stored distance
+    /// is rounded, and f32 adds a few ulps.
     pub(crate) fn skip_slack(&self) -> f32 {
         let spacing = self.subject.field.as_ref().map_or(0.0, |field| field.grid.spacing.length());
         self.own.spread.moves.span() + 0.5 * spacing * self.subject.scale + self.stored.quantization + 1e-5

@@ -1,4 +1,4 @@
-//! Functions of modules at many points, for tables: the module itself is evaluated, so that its formula stands once.
+//! Tabulated module functions: the evaluator runs the module itself, so that its formula is written once.
 
 use super::uniforms::{Values, blocks};
 use crate::eval::{Inputs, Lanes, Program};
@@ -7,21 +7,21 @@ use crate::render::variant::{Resource, Use, Variant};
 use crate::shader::{Library, Linker};
 use std::collections::BTreeMap;
 
-/// The entry file of the opacity of a path: `given` is a density, and the rate times the path.
+/// Entry file of the opacity of a path; the input is a density, and the rate times the path.
 pub(crate) const OPACITY: &str = "opacity_table.frag";
-/// The entry file of the density at a distance, object units.
+/// Entry file of the density at a distance, object units.
 pub(crate) const DENSITY: &str = "density_table.frag";
 
-/// A function of a module, ready to be evaluated.
+/// A module function, ready for evaluation.
 pub(crate) struct Function {
     program: Program,
     inputs: Inputs,
-    /// Whether it reads parameters of modules.
+    /// Whether the function reads module parameters.
     pub(crate) reads_parameters: bool,
 }
 
 impl Function {
-    /// The function of one of the entry files above.
+    /// Links and reads one of the entry files above.
     pub(crate) fn new(
         entry: &'static str,
         variant: &Variant,
@@ -39,7 +39,7 @@ impl Function {
         Ok(Function { program: Program::read(&linked.fragment, &[])?, inputs, reads_parameters })
     }
 
-    /// Its values, one for each that is given.
+    /// Evaluates the function at each input.
     pub(crate) fn at(&self, given: impl Iterator<Item = [f32; 2]>) -> Result<Vec<f32>, RenderError> {
         let given: Vec<_> = given.map(|[a, b]| [f64::from(a), f64::from(b), 0.0, 0.0]).collect();
         let lanes = Lanes { fragment_coordinates: vec![[0.0; 4]; given.len()], varyings: BTreeMap::from([(0, given)]) };

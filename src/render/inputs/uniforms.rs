@@ -1,4 +1,4 @@
-//! The values of the blocks that programs read, by name.
+//! Values of uniform blocks, by member name.
 
 use super::noise_blocks;
 use super::object_inputs::ObjectInputs;
@@ -9,13 +9,13 @@ use crate::render::variant::{Program, Resource, Use, Variant};
 use crate::scene::{Integration, Jitter, ParameterValue, Scene};
 use std::collections::HashMap;
 
-/// The time's name in `interface.glsl`.
+/// Name of the time in `interface.glsl`.
 pub(crate) const TIME: &str = "time";
 
-/// The values of the members of all blocks, by name.
+/// Values of the members of all blocks, by name.
 pub(crate) type Values = HashMap<String, Vec<f32>>;
 
-/// The blocks of a program, filled.
+/// Fills the blocks of a program.
 pub(crate) fn blocks(program: &Program, values: &Values) -> Result<Vec<(Resource, Vec<u8>)>, RenderError> {
     let filled = program.resources.iter().filter_map(|resource| {
         let Use::Block(block) = &resource.holds else { return None };
@@ -25,11 +25,11 @@ pub(crate) fn blocks(program: &Program, values: &Values) -> Result<Vec<(Resource
     filled.collect()
 }
 
-/// Members that differ from sub-frame to sub-frame, by name.
+/// Members that differ between sub-frames.
 pub(crate) fn moment(scene: &Scene, view: &View, sub_frame: &SubFrame) -> [(String, Vec<f32>); 4] {
     let [width, height] = scene.image.size.map(|side| 2.0 / side as f32);
     let [x, y] = [sub_frame.offset[0] * width - view.pan[0], sub_frame.offset[1] * height - view.pan[1]];
-    // The slices move against the rays, which go through a place beside the center of the pixel, or of another one.
+    // Slices are rasterized at pixel centers, so they move against the offset of the rays.
     let projection = glam::Mat4::from_translation(glam::Vec3::new(-x, -y, 0.0)) * view.projection;
     [
         ("projection".into(), projection.to_cols_array().to_vec()),
@@ -39,7 +39,7 @@ pub(crate) fn moment(scene: &Scene, view: &View, sub_frame: &SubFrame) -> [(Stri
     ]
 }
 
-/// Every other member of the blocks of `interface.glsl` and `part.glsl`, and every parameter, by name.
+/// All other members of the blocks of `interface.glsl` and `part.glsl`, and all parameters.
 pub(crate) fn values(
     scene: &Scene,
     variant: &Variant,
@@ -92,7 +92,7 @@ pub(crate) fn values(
     values
 }
 
-/// The members of `part.glsl` and the parameters of one object.
+/// Sets the members of `part.glsl` and the parameters of one object.
 fn set_object(item: &ObjectInputs<'_>, view: &View, set: &mut dyn FnMut(&str, &[f32])) {
     let (scene, subject, own) = (&item.scene, item.subject, item.own);
     set("normal_matrix", &(view.object_matrix * own.place).inverse().transpose().to_cols_array());
@@ -139,11 +139,11 @@ fn set_object(item: &ObjectInputs<'_>, view: &View, set: &mut dyn FnMut(&str, &[
     }
 }
 
-/// How steep distances are taken to be where a warp moves what is looked up. More: rays look for edges where there are none.
-/// Less: of melting, some of the thinnest drips are cut off.
+/// Lipschitz bound assumed for warped distances. Higher: needless edge searches. Lower: the thinnest drips of `melting`
+/// are clipped.
 const WARPED: f32 = 2.0;
 
-/// How far from its place a sample looks for matter along its ray, object units: 0 where it stands for its place alone.
+/// Distance along the ray within which a sample looks for matter, object units; 0 if it stands for its point alone.
 fn sample_reach(scene: &Scene, variant: &Variant, view: &View, planes: &SlicePlanes) -> f32 {
     let steps = match scene.quality.integration {
         Integration::Segment => 0.5,
@@ -152,7 +152,7 @@ fn sample_reach(scene: &Scene, variant: &Variant, view: &View, planes: &SlicePla
     steps * longest_step(scene, view, planes)
 }
 
-/// How near the matter may be, object units, where a sample of a point looks for it along its ray.
+/// Distance to the matter within which a point sample searches along its ray, object units.
 pub(crate) fn looked_for(scene: &Scene, variant: &Variant, view: &View, planes: &SlicePlanes) -> f32 {
     steepness(variant) * sample_reach(scene, variant, view, planes)
 }
@@ -161,7 +161,7 @@ fn steepness(variant: &Variant) -> f32 {
     if variant.has_warps() { WARPED } else { 1.0 }
 }
 
-/// The longest that a step along a ray can be, object units.
+/// Longest step along a ray, object units.
 fn longest_step(scene: &Scene, view: &View, planes: &SlicePlanes) -> f32 {
     planes.step * slant(scene, view) / glam::Vec3::from(scene.object.stretch).min_element()
 }
