@@ -1,8 +1,7 @@
-//! Modules of a person, tried before a picture is drawn with them: what they give that is no number, what f32 does not hold,
-//! and loops that devices cut.
+//! Trial of custom modules before a picture: NaN, infinities, overflows of f32, and loops that devices cut.
 //!
-//! Role: scene -> its own program in f64, and as f32 rounds, at some places of the picture, with modules that note their
-//! faults (`watch.glsl`). Invariant: a scene whose modules all ship costs nothing.
+//! Role: the scene's program is evaluated in f64 and with the range of f32 at sampled places of the picture;
+//! instrumented modules record their faults (`watch.glsl`). Invariant: a scene of shipped modules costs nothing.
 
 use crate::eval::{ExactError, Inputs, Lanes, Overflow, Program, Texture};
 use crate::render::error::RenderError;
@@ -15,40 +14,40 @@ use crate::shader::{FAULT, Library, changed};
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// Turns of all the loops of a fragment after which a device may end it in silence: lavapipe does.
+/// Loop iterations of a fragment after which lavapipe silently ends it.
 const MOST_TURNS: u64 = 65_535;
-/// Quads of places that are tried, if they are cheap. Fewer: a fault in a small part of the picture is not met.
+/// Sampled quads, if cheap. Lower: a fault in a small part of the picture is missed.
 const QUADS: u32 = 1024;
-/// Scalar operations of what is tried, but for the last quads: a sixth of a second.
+/// Budget of scalar operations in f64, checked between batches: a sixth of a second.
 const OPERATIONS: u64 = 1 << 25;
-/// The same of what is evaluated as f32 does, which takes some times as long.
+/// Budget of scalar operations with the range of f32, which are several times slower.
 const SINGLE_OPERATIONS: u64 = OPERATIONS / 8;
-/// How far what f32 gives is off, of linear light, where what it does not hold shows.
+/// Visible difference between f32 and f64, linear light.
 const SHOWS: f64 = 0.01;
-/// Quads that are evaluated together: few at first, where a loop may have no end, then as many as a block of lanes has.
+/// Quads in a batch: few at first, in case a loop is endless, then the lanes of a block.
 const TOGETHER: [u32; 2] = [2, 16];
-/// Parameters that are named.
+/// Largest number of parameters in a message.
 const NAMED: usize = 8;
 
-/// What to do about a [`ModuleFault`].
+/// Advice for a [`ModuleFault`].
 pub const FINITE: &str = "keep what it computes finite, such as log(max(x, 1e-6))";
 
-/// What a custom module gives that is no finite number, or is beyond f32 on the way to what it gives.
+/// A non-finite result of a custom module, or an overflow of f32 on the way to it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModuleFault {
-    /// The module, `dmf/ripples.glsl`; with the line of what is beyond f32.
+    /// Module, such as `dmf/ripples.glsl`; for an overflow, with its line.
     pub module: String,
-    /// `NaN`, `an infinity`, or what is beyond f32.
+    /// `NaN`, `an infinity`, or the overflowing operation.
     pub what: String,
-    /// The values of its parameters: ` with rings = 6`; empty where it has none.
+    /// Values of its parameters, such as ` with rings = 6`; may be empty.
     pub with: String,
-    /// At how many of the rays, or places, that were tried.
+    /// Number of faulty rays or places.
     pub count: usize,
-    /// How many were tried.
+    /// Number of tested rays or places.
     pub tried: usize,
-    /// What was tried: `rays` or `places`.
+    /// `rays` or `places`.
     pub of: &'static str,
-    /// The pixel in which the first of them is.
+    /// Pixel of the first fault.
     pub pixel: [u32; 2],
 }
 
@@ -59,11 +58,10 @@ impl fmt::Display for ModuleFault {
     }
 }
 
-/// Tries the custom modules of a scene: what they give that is no number, or is beyond f32, at a place that was tried. A scene
-/// that cannot be evaluated is not tried.
+/// Tests the custom modules of a scene. A scene that cannot be evaluated passes.
 ///
 /// # Errors
-/// The scene has no program, or a device would cut the loops of one.
+/// The scene has no program, or a device would cut one of its loops.
 pub fn try_custom_modules(
     library: &Library,
     scene: &Scene,
@@ -85,7 +83,7 @@ pub fn try_custom_modules(
     }
 }
 
-/// An error of a picture, with the custom module that is the cause of it.
+/// Adds the responsible custom module to an error of non-finite pixels.
 pub(crate) fn explained(error: RenderError, library: &Library, scene: &Scene, subject: &Subject) -> RenderError {
     let (RenderError::NotFinite { count, x, y, .. }, Ok(variant)) = (&error, Variant::of(scene, library)) else {
         return error;
@@ -103,12 +101,12 @@ pub(crate) fn explained(error: RenderError, library: &Library, scene: &Scene, su
     RenderError::NotFinite { count: *count, x: *x, y: *y, cause }
 }
 
-/// The files of the program that do not ship.
+/// Custom files that the program reaches.
 fn own_modules(library: &Library, variant: &Variant) -> Vec<String> {
     changed(library).into_keys().filter(|path| variant.reaches(library, path)).collect()
 }
 
-/// The values of the parameters of a module, in words.
+/// Values of a module's parameters, in words.
 fn with(library: &Library, variant: &Variant, path: &str) -> String {
     let (slot, name) = path.trim_end_matches(".glsl").split_once('/').unwrap_or_default();
     let declared = library.header(slot, name).unwrap_or_default().parameters;
@@ -130,32 +128,32 @@ fn with(library: &Library, variant: &Variant, path: &str) -> String {
     }
 }
 
-/// A scene with custom modules.
+/// Test of a scene with custom modules.
 struct Trial<'a> {
-    /// With modules that note their faults.
+    /// Library with instrumented modules.
     library: Library,
     scene: &'a Scene,
     subject: &'a Subject,
     variant: Variant,
-    /// Those modules, in the order of their numbers.
+    /// Custom modules, in the order of their numbers.
     own: Vec<String>,
 }
 
-/// What lanes gave that is wrong.
+/// Faults of the tested lanes.
 #[derive(Default)]
 struct Found {
-    /// How many were tried in f64, and as f32 does.
+    /// Number of lanes tested in f64, and with the range of f32.
     tried: [usize; 2],
-    /// How many gave what is no number; of the first, the number of the module, whether it is NaN, and the pixel.
+    /// Number of non-finite lanes; of the first, module number, whether NaN, and pixel.
     wrong: (usize, Option<(usize, bool, [u32; 2])>),
-    /// How many lost something beyond f32; the first, and its pixel.
+    /// Number of overflowing lanes; the first overflow and its pixel.
     beyond: (usize, Option<(Overflow, [u32; 2])>),
 }
 
 impl Trial<'_> {
     fn run(&self) -> Result<Option<ModuleFault>, RenderError> {
         let Trial { library, scene, subject, variant, .. } = self;
-        // A ray is one fragment with all its samples; of slices, each sample is one.
+        // A fragment of rays takes all samples of a ray; one of slices takes a single sample.
         let rays = scene.quality.pass == Pass::March;
         let tried = if rays { variant.clone() } else { variant.probe(scene, library)? };
         let program = tried.unoptimized(library)?;
@@ -184,7 +182,7 @@ impl Trial<'_> {
         })
     }
 
-    /// What a program gives at places of a target.
+    /// Tests a program at places of a target.
     fn found(
         &self,
         cpu_inputs: &CpuInputs,
@@ -195,7 +193,7 @@ impl Trial<'_> {
         let mut inputs = cpu_inputs.exact();
         inputs.blocks = cpu_inputs.moments(program)?.into_iter().next().unwrap_or_default();
         for image in program.resources.iter().filter(|resource| matches!(resource.holds, Use::Image)) {
-            // What is made with the picture: light, and all of it arrives; or cells, and no one is empty.
+            // Images that are rendered with the picture: full light, and no empty cells.
             let value = if image.name == CELLS { 0.0 } else { 1.0 };
             let plain = || Texture { size: [1; 3], texels: vec![[value; 4]] };
             inputs.images.entry(image.binding).or_insert_with(plain);
@@ -217,15 +215,15 @@ impl Trial<'_> {
     }
 }
 
-/// Whether a place in the text is in a file; `place` may be of a further object, or of a second copy.
+/// Whether a source location is in a file; `place` may belong to an additional object or to a second copy.
 fn is_in(path: &str, place: &str) -> bool {
     place
         .rsplit_once(':')
         .is_some_and(|(file, _)| file.split('#').next().unwrap_or_default().rsplit(':').next() == Some(path))
 }
 
-/// Evaluates a program in quads all over a target; `place` is what it reads at a depth, from 0 to 1, and `is_own` says whether
-/// a file and line are a person's.
+/// Evaluates a program in quads across a target; `place` maps a depth in [0, 1] to the program's input, and `is_own`
+/// tells custom source locations.
 fn evaluate(
     program: &Program,
     inputs: &Inputs,
@@ -272,10 +270,10 @@ fn evaluate(
     Ok(found)
 }
 
-/// The outputs of lanes, by location.
+/// Outputs of lanes, by location.
 type Outputs = BTreeMap<u32, Vec<[f64; 4]>>;
 
-/// Whether what a lane gives as f32 does is not what it gives in f64.
+/// Whether the results of a lane with the range of f32 differ visibly from those in f64.
 fn shows(outputs: &Outputs, singles: &Outputs, lane: usize) -> bool {
     outputs.iter().filter(|(location, _)| **location != FAULT).any(|(location, all)| {
         let pairs = all[lane].iter().zip(&singles[location][lane]);
@@ -283,7 +281,7 @@ fn shows(outputs: &Outputs, singles: &Outputs, lane: usize) -> bool {
     }) || singles.get(&FAULT).is_some_and(|faults| faults[lane][0] > 0.0)
 }
 
-/// The points of a sequence that fills a cube evenly, however many there are (Roberts 2018).
+/// Low-discrepancy sequence in the unit cube (Roberts 2018).
 fn scattered(index: u32) -> [f64; 3] {
     const ROOT: f64 = 1.220_744_084_605_759_5; // of x^4 = x + 1
     [1, 2, 3].map(|axis| (0.5 + f64::from(index) * ROOT.powi(-axis)).fract())

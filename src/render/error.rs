@@ -5,7 +5,7 @@ use crate::gpu::GpuError;
 use crate::render::variant::VariantError;
 use crate::shape::ShapeError;
 
-/// Why there is no picture.
+/// Error of rendering.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RenderError {
@@ -18,59 +18,59 @@ pub enum RenderError {
     /// The scene has no valid program.
     #[error(transparent)]
     Variant(#[from] VariantError),
-    /// The device refuses.
+    /// A Vulkan call failed.
     #[error(transparent)]
     Gpu(#[from] GpuError),
-    /// A scene asks for what pre-classification cannot do.
+    /// The scene and pre-classification are incompatible.
     #[error("effect.classify = {0}: needs {1}; use classify = \"post\"")]
     Classification(String, &'static str),
-    /// A table holds what changes from moment to moment.
+    /// A tabulated module reads values that change with the picture.
     #[error(
         "modules of opacity and softness whose values a table holds read parameters and iso-values alone; use effect.classify = \"post\""
     )]
     Table,
-    /// A module of a table cannot be evaluated.
+    /// A tabulated module cannot be evaluated.
     #[error("a table of opacity or softness: {0}")]
     Exact(#[from] crate::eval::ExactError),
-    /// Eye and light do not look through the slices in one order.
+    /// Eye and light do not pass the slices in one order.
     #[error("light.method = \"half_angle\": {0}; {1}, or use light.method = \"volume\"")]
     HalfAngle(&'static str, &'static str),
-    /// A program reads what the subject was loaded without.
+    /// The program reads data that the subject was loaded without.
     #[error("the subject has no {0}, which the program reads; load it with the scene that is rendered")]
     Missing(&'static str),
-    /// The program has a block member that the renderer does not know.
+    /// The program has a block member without a value.
     #[error("`{0}` is in no block of interface.glsl; declare it with `// @param` in a module")]
     Unfilled(String),
-    /// What a picture in a host's command buffer cannot be.
+    /// The setting is not available for recorded pictures.
     #[error(
         "a picture that is recorded for a host has one sample of each pixel and no light that goes from slice to slice; use {0}"
     )]
     Recorded(&'static str),
-    /// A scene without a depth.
+    /// The scene has no depth.
     #[error("rays that bend, and slices that are looked at from the side, have no depth; use {0}")]
     Depth(&'static str),
-    /// Something more urgent is to be drawn: see [`Renderer::stop_where`].
+    /// The caller stopped the picture: see [`Renderer::stop_where`](crate::render::Renderer::stop_where).
     #[error("the picture was stopped before it was finished")]
     Stopped,
-    /// What a worker says.
+    /// Message of a worker process.
     #[error("{0}")]
     Worker(String),
-    /// A worker has ended by the scene.
+    /// The scene crashed a worker process.
     #[error("{0}; what else there is to draw goes on")]
     Ended(String),
-    /// A target that the device has, and that was read back wrong.
+    /// The picture has non-finite pixels.
     #[error("the picture holds {count} values that are not finite, the first at pixel {x}, {y}: {cause}")]
     NotFinite {
-        /// How many.
+        /// Number of non-finite pixels.
         count: usize,
         /// Column of the first.
         x: usize,
         /// Row of the first.
         y: usize,
-        /// Where they come from, or what to do.
+        /// Cause or advice.
         cause: String,
     },
-    /// Loops that a device cuts.
+    /// The loops of a custom module exceed the limit of some devices.
     #[error(
         "{place}: the loops of one {whose} make more than {turns} turns{with}; devices cut them there, and the picture would not be that of the module; {}",
         if *whose == "sample" { "end the loop sooner" } else { "end the loop sooner, or take fewer samples" }
@@ -78,11 +78,11 @@ pub enum RenderError {
     Loop {
         /// File and line.
         place: String,
-        /// What makes the turns: `sample`, `ray`, `ray of the light`.
+        /// Owner of the loops: `sample`, `ray`, `ray of the light`.
         whose: &'static str,
-        /// Turns after which devices cut.
+        /// Limit of iterations.
         turns: u64,
-        /// The values of the parameters of the module.
+        /// Values of the module's parameters.
         with: String,
     },
 }

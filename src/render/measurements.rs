@@ -5,78 +5,78 @@ use crate::render::inputs::{ImageInfo, Sparse};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// A picture and what it took.
+/// A picture and its measurements.
 #[derive(Clone, Debug)]
 pub struct Frame {
     /// Width and height in pixels.
     pub size: [u32; 2],
     /// Premultiplied linear RGBA, row by row from the top.
     pub pixels: Vec<[f32; 4]>,
-    /// What it took.
+    /// Measurements of its rendering.
     pub measurements: Measurements,
 }
 
-/// What a frame took.
+/// Measurements of a frame.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Measurements {
     /// Slots and modules of the program.
     pub modules: String,
-    /// Files that its objects were read from besides those that the scene names.
+    /// Files of its objects besides those that the scene names.
     #[serde(default)]
     pub others: Vec<PathBuf>,
-    /// Whether the program was linked when the crate was built.
+    /// Whether the program was linked at build time.
     pub shipped: bool,
-    /// What the scene did not need.
+    /// Parts that the scene did not need.
     #[serde(deserialize_with = "crate::render::variant::parts")]
     pub left_out: Vec<&'static str>,
-    /// Octaves that the turbulence of the scene has, and those that were asked for; `None` where none is read.
+    /// Octaves of the turbulence: effective and requested; `None` without turbulence.
     pub octaves: Option<[u32; 2]>,
-    /// Slices drawn, or samples of a ray at most.
+    /// Slices, or samples of a ray at most.
     pub slices: u32,
-    /// Distance between them, object units.
+    /// Distance between slices or samples, object units.
     pub step: f32,
-    /// Fragments shaded, where the device counts them: those of the passes that mark pixels of slices too.
+    /// Shaded fragments including those of the early-exit passes, if the device counts them.
     pub fragments: Option<u64>,
-    /// Milliseconds until the program was ready: linked, made a pipeline of, and used once.
+    /// Time to link, compile and first use the program, milliseconds.
     pub compile_ms: f64,
-    /// Milliseconds of the slices or rays on the device.
+    /// Time of the slices or rays on the device, milliseconds.
     pub gpu_ms: f64,
-    /// Milliseconds of the shadow volume on the device; `None` without shadows, 0 where that of an earlier picture serves.
+    /// Time of the shadow volume on the device, milliseconds; `None` without shadows, 0 for a reused volume.
     pub shadow_ms: Option<f64>,
-    /// Milliseconds that this one took with that earlier picture.
+    /// Time of a reused shadow volume in its own picture, milliseconds.
     #[serde(default)]
     pub shadow_before_ms: f64,
     /// Longest submission, milliseconds.
     pub longest_ms: f64,
-    /// Milliseconds of everything but loading the subject, wall clock: with what was made for the picture before.
+    /// Wall-clock time except loading the subject, milliseconds; includes the preparation.
     pub total_ms: f64,
-    /// Milliseconds of the processor that this process took meanwhile, all threads; `None` where the system does not say.
+    /// CPU time of all threads of this process, milliseconds; `None` if the system does not report it.
     #[serde(default)]
     pub processor_ms: Option<f64>,
-    /// The images that the program reads.
+    /// Images that the program reads.
     #[serde(default)]
     pub images: Vec<ImageInfo>,
     /// Bytes of images on the device.
     pub device_bytes: u64,
-    /// What the bricks of a volume save; `None` where the volume is stored as a whole.
+    /// Memory saved by bricks; `None` for a dense volume.
     pub sparse: Option<Sparse>,
-    /// The cells of empty space; `None` where none would be left out.
+    /// Statistics of empty cells; `None` if the picture would not profit from cells.
     #[serde(default)]
     pub cells: Option<CellStats>,
     /// Largest error of a stored distance, object units; 0 for a formula.
     pub quantization: f32,
-    /// Radius beyond which warps along the radius hold their step, where their formula has matter there; object units.
+    /// Radius beyond which radial warps are clamped although their formula has matter there; object units.
     pub held_beyond: Option<f32>,
 }
 
 impl Measurements {
-    /// Milliseconds on the device.
+    /// Time on the device, milliseconds.
     pub fn device_ms(&self) -> f64 {
         self.gpu_ms + self.shadow_ms.unwrap_or(0.0)
     }
 
-    /// Milliseconds on the device of the same picture drawn by itself: with its shadow volume.
+    /// Time on the device including a reused shadow volume, milliseconds.
     pub fn alone_ms(&self) -> f64 {
         self.device_ms() + self.shadow_before_ms
     }

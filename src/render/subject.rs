@@ -1,4 +1,4 @@
-//! The object of a scene, ready to be drawn: its field, its place and its size.
+//! The loaded object of a scene: distance field, placement and size.
 
 use crate::field::{self, ClosestPoints, DistanceField, Progress};
 use crate::render::error::RenderError;
@@ -13,60 +13,61 @@ use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// The object of a scene, ready to be drawn in any effect.
+/// The loaded object of a scene, for any effect.
 ///
-/// Clones share its field. Object space is centered on the object, and the longest side of its bounding box spans [-1, 1] there.
+/// Clones share its field. Object space is centered on the object, and the longest side of its bounding box spans [-1,
+/// 1] there.
 #[derive(Clone, Debug, Default)]
 pub struct Subject {
-    /// What the scene calls it.
+    /// Input as the scene names it.
     pub input: String,
-    /// The distance field; `None` for a formula, which needs none.
+    /// Distance field; `None` for a formula.
     pub field: Option<Arc<DistanceField>>,
-    /// The closest points of the surface, on the grid of the field; `None` where no scene reads them.
+    /// Closest points of the surface, on the grid of the field; `None` if no scene reads them.
     pub closest: Option<Arc<ClosestPoints>>,
     /// World position of the origin of object space.
     pub center: Vec3,
-    /// What was taken from the coordinates of its file, see [`shape::Mesh::offset`]; by the axes of the file.
+    /// Offset subtracted from the coordinates of its file, see [`shape::Mesh::offset`]; in the axes of the file.
     pub offset: DVec3,
     /// Object units in one world unit.
     pub scale: f32,
     /// Half the size of the bounding box, object units.
     pub half_size: Vec3,
-    /// Radius of the sphere around the object at the origin, object units.
+    /// Radius of the bounding sphere around the origin, object units.
     pub radius: f32,
-    /// How the field was made.
+    /// Report on the computation of the field.
     pub report: Option<field::FieldReport>,
-    /// The iso-value of a scan for which none was given.
+    /// Iso-value chosen for a scan without a given one.
     pub proposed_iso: Option<f32>,
-    /// Files that it was read from besides the one that the scene names: the data of a header, the slices of a series.
+    /// Files read besides the named one: the data of a header, the slices of a series.
     pub others: Vec<PathBuf>,
-    /// The additional objects of the scene, each in a space of its own.
+    /// The additional objects of the scene, each in its own space.
     pub parts: BTreeMap<String, Subject>,
 }
 
-/// The field covers at least this much around the object, object units; more in steps of it. A finer step would compute
-/// the field anew for every length of hair; a coarser one would waste voxels.
+/// Granularity of the field's margin around the object, object units. Lower: the field is recomputed for every length
+/// of hair. Higher: wasted voxels.
 const MARGIN_STEP: f32 = 0.25;
 
-/// How much the values of a distance field change per world unit where its surface is; blurred ones by less. What is farther
-/// off is no distance.
+/// Accepted slopes of a signed distance field at its surface, per world unit; blurred fields have lower ones.
 const DISTANCE: RangeInclusive<f32> = 0.8..=1.25;
 
-/// What a scene needs of an object, before any file is read: all that its subject is made of.
+/// Parameters of loading an object, known before any file is read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SubjectRequest {
-    /// The object; an aligned one has the axis of the scene's own.
+    /// The object; an aligned one has the up axis of the main object.
     pub object: Object,
-    /// How far its field reaches beyond it, object units: see [`field_margin`].
+    /// Extent of its field beyond the object, object units: see [`field_margin`].
     pub reach: f32,
-    /// Whether its closest points are read.
+    /// Whether closest points are read.
     pub closest: bool,
-    /// Whether it is where its file has it beside the scene's own object.
+    /// Whether it keeps the position of its file relative to the main object.
     pub aligned: bool,
 }
 
 impl SubjectRequest {
-    /// The objects of a scene: its own, then the additional ones by their names. `variant` is that of the scene.
+    /// Requests for the main object of a scene, then the additional ones in the order of their names; `variant` is the
+    /// scene's.
     pub fn all(scene: &Scene, variant: &Variant) -> Vec<SubjectRequest> {
         let reach =
             |parameters: &Parameters, object: &Object| field_margin(parameters.outer_iso().unwrap_or(object.outer_iso));
@@ -90,7 +91,7 @@ impl SubjectRequest {
     }
 }
 
-/// What is computed from a shape, and how it is placed: equal recipes and shapes have equal subjects.
+/// Request and placement of a field: equal recipes and shapes have equal subjects.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Recipe {
     input: String,
@@ -98,12 +99,12 @@ pub(crate) struct Recipe {
     up: Axis,
     closest: bool,
     aligned: bool,
-    /// The iso-value of a scan for which none was given.
+    /// Iso-value chosen for a scan without a given one.
     proposed_iso: Option<f32>,
 }
 
 impl Recipe {
-    /// That of an object that is no formula; `scale` is that of the scene's own.
+    /// Recipe of an object that is not a formula; `scale` is the main object's.
     pub(crate) fn of(shape: &Shape, wanted: &SubjectRequest, scale: f32) -> Recipe {
         let SubjectRequest { object, reach, closest, aligned } = wanted;
         let mut request = reaching(shape, object, *reach);
@@ -121,7 +122,7 @@ impl Recipe {
 }
 
 impl Subject {
-    /// Loads the object of a scene and computes or finds its distance field.
+    /// Loads the object of a scene and computes its distance field or finds it in the cache.
     ///
     /// # Errors
     /// The input cannot be read, or has no surface.
@@ -130,9 +131,9 @@ impl Subject {
         Subject::all(scene, library, &own, progress)
     }
 
-    /// That of a scene whose own object is a shape in memory: with its field, and the additional objects as the scene names
-    /// them. The input of the object becomes [`MEMORY`](shape::MEMORY) and a hash of its contents, by which a picture says
-    /// what it shows.
+    /// Computes the field of an in-memory shape as the main object; additional objects are loaded as the scene names
+    /// them. Sets the input of the object to [`MEMORY`](shape::MEMORY) and a hash of its contents, which identifies it
+    /// in the picture's metadata.
     ///
     /// # Errors
     /// As [`Subject::load`].
@@ -151,7 +152,7 @@ impl Subject {
         Subject::all(scene, library, &own, progress)
     }
 
-    /// The same of triangles; see [`Mesh::new`](shape::Mesh::new).
+    /// Computes the field of a triangle mesh; see [`Mesh::new`](shape::Mesh::new).
     ///
     /// # Errors
     /// As [`Subject::load`].
@@ -159,7 +160,8 @@ impl Subject {
         Subject::from_shape(scene, library, Shape::Mesh(mesh), &|_| ())
     }
 
-    /// The same of samples on a grid; see [`Volume::new`](shape::Volume::new). `object.iso` is the iso-value of scalars.
+    /// Computes the field of a volume; see [`Volume::new`](shape::Volume::new). `object.iso` is the iso-value of
+    /// scalars.
     ///
     /// # Errors
     /// As [`Subject::load`].
@@ -167,7 +169,7 @@ impl Subject {
         Subject::from_shape(scene, library, Shape::Volume(volume), &|_| ())
     }
 
-    /// The same of a distance field, whose samples stay as they are.
+    /// Wraps a distance field, whose samples are kept.
     ///
     /// # Errors
     /// As [`Subject::load`].
@@ -175,8 +177,8 @@ impl Subject {
         Subject::from_volume(scene, library, field.into_volume())
     }
 
-    /// The same of a function of world space that is negative inside and 0 on the surface; it need be no distance. It is
-    /// sampled at the corners of cubes within a box, `object.resolution` along its longest side: what is finer is lost.
+    /// Samples an implicit function of world space, negative inside and 0 on the surface; it need not be a distance.
+    /// Samples lie on a cubic grid in a box, with `object.resolution` along its longest side; finer detail is lost.
     ///
     /// # Errors
     /// As [`Subject::load`].
@@ -197,7 +199,7 @@ impl Subject {
         Subject::from_volume(scene, library, shape::Volume::new(size.to_array(), within.min, steps, values, content)?)
     }
 
-    /// Its `own` object, then the additional ones as the scene names them.
+    /// Loads the main object by `own`, then the additional ones.
     fn all(
         scene: &Scene,
         library: &Library,
@@ -215,8 +217,8 @@ impl Subject {
         Ok(subject)
     }
 
-    /// Loads an object with a field that reaches `margin` (object units) beyond it, so that several scenes may share it;
-    /// with its closest points where one of them reads them.
+    /// Loads an object with a field that extends by `margin` (object units), so that several scenes may share it; with
+    /// closest points if one of them reads them.
     ///
     /// # Errors
     /// As [`Subject::load`].
@@ -230,7 +232,7 @@ impl Subject {
         Subject::of(&wanted, None, progress)
     }
 
-    /// An object; `own` is the scene's own one, in whose space an aligned one is.
+    /// Loads an object; `own` is the main object, which defines the space of an aligned one.
     fn of(wanted: &SubjectRequest, own: Option<&Subject>, progress: Progress<'_>) -> Result<Subject, RenderError> {
         let SubjectRequest { object, aligned, .. } = wanted;
         if object.is_formula() {
@@ -244,7 +246,7 @@ impl Subject {
         Subject::made(&shape, recipe, own, others, progress)
     }
 
-    /// That of a recipe.
+    /// Computes the field of a recipe.
     fn made(
         shape: &Shape,
         recipe: Recipe,
@@ -268,7 +270,7 @@ impl Subject {
             None => (0.5 * (low + high), 2.0 / (high - low).max_element()),
             Some(own) => (own.center + up.turned(own.offset - offset).as_vec3(), own.scale),
         };
-        // Squares of tiny lengths leave f32; a power of two rounds nothing.
+        // Squares of tiny lengths underflow f32; scaling by a power of two is exact.
         let handy = scale.log2().floor().exp2();
         let radius =
             inside_points(&field).map(|p| ((p - center) * handy).length()).fold(0.0, f32::max) * (scale / handy);
@@ -291,18 +293,18 @@ impl Subject {
         })
     }
 
-    /// From object space to the world of its shape, in which its center and size are.
+    /// From object space to the world of its shape.
     pub fn world(&self) -> Mat4 {
         Mat4::from_translation(self.center) * Mat4::from_scale(Vec3::splat(1.0 / self.scale))
     }
 
-    /// The other files of all objects.
+    /// Additional files of all objects.
     pub fn all_others(&self) -> impl Iterator<Item = &PathBuf> {
         self.others.iter().chain(self.parts.values().flat_map(|part| &part.others))
     }
 }
 
-/// The shape of an object.
+/// Opens the shape of an object.
 ///
 /// # Errors
 /// The input cannot be read.
@@ -310,12 +312,12 @@ pub fn open(object: &Object) -> Result<Shape, ShapeError> {
     Ok(opened(object)?.warned(&object.input))
 }
 
-/// The same with what is known of its file besides.
+/// Opens the shape of an object with notes on its file.
 pub(crate) fn opened(object: &Object) -> Result<Opened, ShapeError> {
     Ok(settled(Opened::with_grid(&object.input, object.grid.as_deref())?, object))
 }
 
-/// What its values are, by what the scene says of them and by the values themselves.
+/// Settles the content type of a volume, from the scene and from the values.
 fn settled(mut opened: Opened, object: &Object) -> Opened {
     if let Shape::Volume(volume) = &mut opened.shape {
         if object.distance {
@@ -338,14 +340,14 @@ fn settled(mut opened: Opened, object: &Object) -> Opened {
     opened
 }
 
-/// Whether it is a volume of scalars that was brought.
+/// Whether the shape is a scalar volume from a file.
 fn is_scan(shape: &Shape, input: &str) -> bool {
     let is_scalar = matches!(shape, Shape::Volume(volume) if volume.content == shape::Content::Scalar);
     is_scalar && !shape::BUILT_IN.contains(&input)
 }
 
-/// The iso-value of a scan that was brought where none is given: the lowest that lies between two materials, which is most
-/// often the outside of all; of an object within another the highest.
+/// Iso-value for a scan without a given one: the lowest between two materials, most often the outer surface; `within`
+/// another object, the highest.
 fn proposed(shape: &Shape, input: &str, within: bool) -> Option<f32> {
     let Shape::Volume(volume) = shape else { return None };
     if !is_scan(shape, input) {
@@ -356,13 +358,13 @@ fn proposed(shape: &Shape, input: &str, within: bool) -> Option<f32> {
     if within { isos.last().copied() } else { isos.first().copied() }
 }
 
-/// The request for a shape's field, in world units. The iso-value of a volume where none is given is the one that is proposed,
-/// else the middle of the range.
+/// Request for a shape's field, in world units. Without an iso-value, a volume takes the proposed one, else the middle
+/// of its range.
 pub fn request(shape: &Shape, object: &Object, margin: f32) -> field::Request {
     reaching(shape, object, field_margin(margin))
 }
 
-/// The same of a field that reaches so far beyond the object, object units.
+/// Request for a field that extends by `reach` beyond the object, object units.
 fn reaching(shape: &Shape, object: &Object, reach: f32) -> field::Request {
     let bounds = shape.bounds();
     let half = 0.5 * (bounds.max - bounds.min).max_element();
@@ -379,12 +381,12 @@ fn reaching(shape: &Shape, object: &Object, reach: f32) -> field::Request {
     field::Request { resolution: object.resolution, margin, band: margin, iso, shell: object.shell * half }
 }
 
-/// How far a field that must reach `margin` beyond its object does reach, object units.
+/// Actual extent of a field beyond its object, object units.
 pub fn field_margin(margin: f32) -> f32 {
     (margin.max(0.0) / MARGIN_STEP + 1e-3).ceil().max(1.0) * MARGIN_STEP
 }
 
-/// A built-in object that is a formula in `glsl/object`.
+/// A built-in formula in `glsl/object`.
 fn formula(name: &str) -> Subject {
     let (half_size, radius) = match name {
         _ if name == "cube" || name.starts_with(GLSL) => (Vec3::ONE, 3f32.sqrt()),
@@ -394,7 +396,7 @@ fn formula(name: &str) -> Subject {
     Subject { input: name.into(), scale: 1.0, half_size, radius, ..Subject::default() }
 }
 
-/// World positions of the samples inside, or of the nearest to the surface where none is.
+/// World positions of the samples inside, or of the nearest to the surface if none are.
 fn inside_points(field: &DistanceField) -> impl Iterator<Item = Vec3> + '_ {
     let threshold = field.range().0.max(0.0);
     let [nx, ny, _] = field.grid.size;
@@ -405,7 +407,7 @@ fn inside_points(field: &DistanceField) -> impl Iterator<Item = Vec3> + '_ {
     })
 }
 
-/// The box around the inside, half a voxel wider on each side.
+/// Bounding box of the inside, grown by half a voxel.
 fn inside_bounds(field: &DistanceField) -> (Vec3, Vec3) {
     let (low, high) =
         inside_points(field).fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));

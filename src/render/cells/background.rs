@@ -1,8 +1,7 @@
-//! Cells that no picture waits for: proven on a thread of their own, and used once they are there.
+//! Empty cells for recorded pictures, proven on a thread.
 //!
-//! Role: pictures recorded for a host. Invariant: a picture has the cells that are proven for it or none, and is the same
-//! either way. While the time moves, cells are proven for all times around the present: what is proven for one moment would
-//! be out of date when it is there.
+//! Invariant: a picture uses cells that are proven for it or none, and has equal pixels either way. While time moves,
+//! proofs cover an interval around the present: a proof for one moment would be out of date on arrival.
 
 use super::grid::{distances, image, side};
 use super::prover::{CellGrid, CellProver, Reads, STACK};
@@ -18,22 +17,22 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 
-/// Cells hold for so many seconds before and after the time that they are proven for, while that moves. More: less is empty
-/// where the time has a long period. Less: pictures without cells more often.
+/// Seconds before and after the current time that proofs cover while time moves. Higher: fewer empty cells where matter
+/// has a long period. Lower: more pictures without cells.
 const AROUND: f32 = 60.0;
-/// Pictures that share them at least.
+/// Lowest number of pictures that share a proof.
 const SHARED: u32 = 64;
-/// Cameras may be so many times as far as that of the picture that cells are proven for.
+/// Largest ratio of a camera's distance to that of the camera that cells are proven for.
 const FARTHER: f64 = 4.0;
 
-/// What proves cells, and those that are proven.
+/// Proof thread and the latest proven cells.
 pub(crate) struct BackgroundCells {
     library: Library,
     prover: ProverThread,
     proven: Option<Proven>,
-    /// The time of the picture before.
+    /// Time of the previous picture.
     last: Option<f32>,
-    /// While it is there, the thread goes on.
+    /// The thread stops after this is dropped.
     here: Arc<()>,
 }
 
@@ -42,21 +41,21 @@ enum ProverThread {
     Running(JoinHandle<Result<(CellProver, Option<Proven>), RenderError>>),
 }
 
-/// Cells, and what they are proven for.
+/// Proven cells with the conditions of their proof.
 struct Proven {
     reads: Arc<Reads>,
     timeless: Vec<u8>,
-    /// From when to when.
+    /// First and last time of validity.
     times: [f32; 2],
-    /// Whether they are no better at one moment.
+    /// Whether a proof for a single moment would find no more empty cells.
     is_best: bool,
     boxes: CellGrid,
-    /// Distances to the next cell that may hold matter; none where no cell is empty.
+    /// Distances to the next cell that may hold matter; empty if all cells may.
     texels: Vec<u8>,
     image: Option<Arc<Image>>,
 }
 
-/// What a thread proves cells for.
+/// Input of the proof thread.
 struct Job {
     library: Library,
     subject: Subject,
@@ -65,19 +64,19 @@ struct Job {
     whole: [u32; 2],
     values: Values,
     times: [f32; 2],
-    /// The images of the picture's program, by name.
+    /// Images of the picture's program, by binding name.
     images: BTreeMap<String, ImageInfo>,
     is_cpu: bool,
 }
 
 impl BackgroundCells {
-    /// Nothing is proven yet.
     pub(crate) fn new(library: &Library) -> BackgroundCells {
         let prover = ProverThread::Idle(CellProver::Idle(0));
         BackgroundCells { library: library.clone(), prover, proven: None, last: None, here: Arc::new(()) }
     }
 
-    /// The cells of a picture as rays read them; `None` where none is known to be empty. `images` gives those of its program.
+    /// The cell grid of a picture as an image; `None` if no cell is known to be empty. `images` describes those of its
+    /// program.
     pub(crate) fn image(
         &mut self,
         gpu: &Gpu,
@@ -102,7 +101,7 @@ impl BackgroundCells {
         Ok(proven.image.clone())
     }
 
-    /// Whether the thread has cells for the next picture, and the part of the last ones that is empty.
+    /// Whether the thread has finished the next cells, and the empty share of the current ones.
     #[cfg(test)]
     pub(crate) fn found(&self) -> (bool, f32) {
         let texels = self.proven.iter().flat_map(|proven| &proven.texels);
@@ -111,7 +110,7 @@ impl BackgroundCells {
         (is_done, empty as f32 / all.max(1) as f32)
     }
 
-    /// Takes what the thread has found, if it has.
+    /// Takes the result of a finished thread.
     fn take(&mut self) {
         let is_done = matches!(&self.prover, ProverThread::Running(thread) if thread.is_finished());
         if !is_done {
@@ -129,7 +128,7 @@ impl BackgroundCells {
         }
     }
 
-    /// Has the cells of a picture proven for an interval of time, if that pays and the thread is free.
+    /// Starts a proof for an interval of time, if it pays and the thread is idle.
     fn start(
         &mut self,
         gpu: &Gpu,
@@ -170,7 +169,7 @@ impl BackgroundCells {
 }
 
 impl Proven {
-    /// Whether they hold for a picture at a time.
+    /// Whether the cells are valid for a picture at a time.
     fn holds(&self, shot: &FrameContext<'_>, values: &Values, time: f32) -> Result<bool, RenderError> {
         let is_then = self.times[0] <= time && time <= self.times[1];
         let is_there = self.boxes.hold_for(&CellGrid::of(shot, self.boxes.side));
@@ -179,7 +178,7 @@ impl Proven {
 }
 
 impl Job {
-    /// What decides, and the cells that it has proven: none where they do not pay. Ends where it is to `stop`.
+    /// Loads the prover if necessary, and proves cells if they pay, unless told to `stop`.
     fn prove(
         self,
         mut decider: CellProver,

@@ -1,19 +1,19 @@
-//! Computed noise as bounds know it.
+//! Bounds of computed noise.
 //!
-//! Role: in a program that is evaluated over boxes, noise that is computed in place, of hashes or of tables, is replaced by one
-//! lookup, whose range [`Lattice::range`] knows: bounds of a hash whose cell is not certain are those of all noise. What sums
-//! octaves of it stays as it is. Invariant: only of noise whose text is as shipped, since that is what the range is of.
+//! Role: in a program that is evaluated over boxes, noise computed from hashes or tables is replaced by one lookup,
+//! whose range [`Lattice::range`] gives: over a box of several lattice cells, bounds of a hash are those of all noise.
+//! Sums of octaves stay. Invariant: only shipped noise is replaced, since the range belongs to its text.
 
 use crate::noise::{Lattice, Weights};
 use crate::render::inputs::CELLS;
 use crate::render::variant::{Program, Variant, slot_of};
 use crate::shader::{self, Library};
 
-/// The image in whose place the noise stands: a program that decides about cells does not read them.
+/// Binding of the replaced noise. Programs that decide about cells do not read the cell grid.
 pub const LOOKED_UP: &str = CELLS;
-/// What the texts below call it.
+/// Name of the binding's accessor in GLSL.
 const NAME: &str = "cell_grid";
-/// The files that are replaced, with what replaces them. The level of a lookup is that of
+/// Replaced files and their replacements. The level of a lookup is that of
 /// [`Knots::of_level`](crate::noise::Knots::of_level).
 const REPLACED: [(&str, &str); 4] = [
     ("lattice_noise.glsl", include_str!("ranged_lattice.glsl")),
@@ -25,20 +25,18 @@ const REPLACED: [(&str, &str); 4] = [
          float noise(vec3 p) { return noise_gradient(p).w; }\n",
     ),
 ];
-/// What these include that ranges depend on.
+/// Included files that the ranges depend on.
 const INCLUDED: [&str; 5] =
     ["corners.glsl", "hash.glsl", "noise_tables.glsl", "weights/cubic.glsl", "weights/quintic.glsl"];
 
-/// The program of these modules that bounds are taken of, and the noise that it looks up; none where that is the program
-/// which is drawn.
+/// The program for bounds and the noise that it looks up; `None` if the drawn program serves.
 pub fn bounded(variant: &Variant, library: &Library) -> Option<(Program, Lattice)> {
     let (own, noise) = ranged(variant, library)?;
-    // A module of a person may use more of a file than what replaces it has.
+    // A custom module may use parts of a file that the replacement lacks.
     Some((variant.program_of(library, own).ok()?, noise))
 }
 
-/// The library that bounds of these modules are taken of, and the noise that it looks up; none where no noise is computed,
-/// or it is not known as well.
+/// The library for bounds and the noise that it looks up; `None` if no noise is computed, or if its range is unknown.
 pub(super) fn ranged(variant: &Variant, library: &Library) -> Option<(Library, Lattice)> {
     let replaced = REPLACED.map(|(path, _)| path);
     if !replaced.iter().any(|path| variant.reaches(library, path)) {
@@ -49,12 +47,11 @@ pub(super) fn ranged(variant: &Variant, library: &Library) -> Option<(Library, L
     if replaced.into_iter().chain(INCLUDED).any(differs) {
         return None;
     }
-    // A module of a person may read cells.
+    // A custom module may read cells.
     let reads_cells = |text: &str| text.contains(NAME) || text.contains(LOOKED_UP);
     if library.sources().any(|(path, text)| reads_cells(text) && differs(path)) {
         return None;
     }
-    // Of all objects.
     let are = |module: &str| {
         let mut of = variant.slots.iter().filter(|(key, _)| slot_of(key) == "weights");
         of.all(|(_, names)| names.as_slice() == [module])

@@ -1,8 +1,8 @@
-//! Cells of space that surely hold no matter: what rays and slices leave out.
+//! Grid of cells that are proven to hold no matter.
 //!
-//! Role: a scene's own program, evaluated by [`exact`] over boxes with the roundings of a device, coarse to fine. Invariant:
-//! a cell is called empty only where that is proven, so that a picture is the same with cells and without; what cannot be
-//! decided may hold matter.
+//! Role: the scene's program is evaluated by [`eval`](crate::eval) over boxes with the roundings of a device, coarse to
+//! fine. Invariant: a cell is empty only if proven, so that a picture is equal with cells and without; an undecided
+//! cell may hold matter.
 
 use super::prover::{CellGrid, CellProver, SIDES};
 use super::tiles::Tiles;
@@ -20,31 +20,32 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Samples of a picture for each cell. Fewer: finer cells, which cost more than they save.
+/// Lowest number of samples for each cell. Lower: finer cells, which cost more than they save.
 const SAMPLES: f64 = 400.0;
-/// The same on a device that draws much faster than the processor decides.
+/// Lowest number of samples for each cell on a GPU, which draws much faster than the CPU proves.
 const SAMPLES_OF_A_GPU: f64 = 100.0 * SAMPLES;
-/// For so many pictures at most finer cells are decided that share them. More: a window that plays pauses for them.
+/// Largest number of sharing pictures that refines the cells. Higher: playback pauses for proofs.
 const SHARED: u32 = 8;
-/// Samples of a picture for each texel that is read back for bounds. Fewer: small pictures of large volumes wait for them.
+/// Lowest number of samples for each texel that bounds read. Lower: small pictures of large volumes wait for bounds.
 const SAMPLES_OF_A_TEXEL: f64 = 2.0;
-/// The same for the first picture of slices, which gains less than rays, and may be the only one.
+/// Lowest number of samples for each texel for the first picture of slices, which gains less than rays and may be the
+/// only one.
 const SAMPLES_OF_FIRST_SLICES: f64 = 16.0;
 
-/// What was found of the cells of a picture.
+/// Statistics of the cells of a picture.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct CellStats {
-    /// Cells along each side of the box around the soft region; 0: none.
+    /// Cells along each side of the box around the soft region; 0 without cells.
     pub side: u32,
-    /// The part of them that is proven to be empty.
+    /// Share of cells that are proven to be empty.
     pub empty: f32,
-    /// Milliseconds that the proofs took.
+    /// Time of the proofs, milliseconds.
     pub ms: f64,
-    /// Whether they were kept on disk.
+    /// Whether the proofs came from the disk cache.
     #[serde(default)]
     pub kept: bool,
-    /// Why there are none.
+    /// Reason for the absence of cells.
     pub why: Option<String>,
 }
 
@@ -62,28 +63,27 @@ impl std::fmt::Display for CellStats {
     }
 }
 
-/// What cells of a scene are decided by.
+/// Empty cells of a scene's pictures.
 pub(crate) struct EmptyCells {
     library: Library,
     decider: CellProver,
-    /// Those of the picture before.
+    /// Statistics of the latest cells.
     found: CellStats,
-    /// What they depend on; `None` where there are none.
+    /// Inputs of the proofs; `None` without cells.
     key: Option<(Vec<u64>, CellGrid)>,
-    /// For how long they are.
+    /// Times at which the proofs hold.
     span: TimeSpan,
-    /// Which of them are empty, x fastest; none where no one is.
+    /// Emptiness of each cell, x fastest; without elements if no cell is empty.
     empty: Vec<bool>,
-    /// The same as rays read it, once it was asked for.
+    /// The cells as a distance image, created on demand.
     image: Option<Arc<Image>>,
-    /// Whether no picture was asked for yet.
+    /// Whether no picture has been drawn.
     is_first: bool,
-    /// Whether they serve the last picture at all.
+    /// Whether the latest picture profits from cells.
     serve: bool,
 }
 
 impl EmptyCells {
-    /// What decides the cells of the pictures of one program.
     pub(crate) fn new(library: &Library) -> EmptyCells {
         let (library, decider) = (library.clone(), CellProver::Idle(0));
         EmptyCells {
@@ -99,12 +99,12 @@ impl EmptyCells {
         }
     }
 
-    /// What was found last; nothing where none would be left out.
+    /// Statistics of the latest cells; `None` if the picture does not profit from cells.
     pub(crate) fn found(&self) -> Option<CellStats> {
         self.serve.then(|| self.found.clone())
     }
 
-    /// Whether what decides the cells of a picture is made, or none pays for it.
+    /// Whether the prover of a picture is ready or does not pay.
     pub(crate) fn are_decided(&self, gpu: &Gpu, shot: &FrameContext<'_>) -> bool {
         if !serve(shot, &self.library) {
             return true;
@@ -117,7 +117,8 @@ impl EmptyCells {
         }
     }
 
-    /// Finds the cells of a picture, whose images are given by name. Ends where it is to `stop`.
+    /// Proves the cells of a picture; `image_of` describes its images by name. Returns [`RenderError::Stopped`] when
+    /// told to `stop`.
     pub(crate) fn update(
         &mut self,
         gpu: &Gpu,
@@ -189,7 +190,7 @@ impl EmptyCells {
         Ok(())
     }
 
-    /// The cells as rays read them; `None` where none is known to be empty.
+    /// The distance image of the cells; `None` if no cell is known to be empty.
     pub(crate) fn image(&mut self, gpu: &Gpu, uploads: &Uploads) -> Result<Option<Arc<Image>>, RenderError> {
         if let (None, Some((_, CellGrid { side, .. })), false) = (&self.image, &self.key, self.empty.is_empty()) {
             self.image = Some(image(gpu, uploads, *side, &distances(&self.empty, *side as usize))?);
@@ -197,7 +198,7 @@ impl EmptyCells {
         Ok(self.image.clone())
     }
 
-    /// The tiles that slices of a picture are drawn in, within areas of it.
+    /// Tiles of the picture's slices, within some areas.
     pub(crate) fn tiles(&self, shot: &FrameContext<'_>, within: &[Area]) -> Tiles {
         match &self.key {
             Some((_, boxes)) if self.serve && !self.empty.is_empty() => {
@@ -208,12 +209,12 @@ impl EmptyCells {
     }
 }
 
-/// The part of them that is empty.
+/// Share of empty cells.
 fn part(empty: &[bool]) -> f32 {
     empty.iter().filter(|&&empty| empty).count() as f32 / empty.len() as f32
 }
 
-/// Links the program that decides the cells of a scene: it is on the disk where it is asked for.
+/// Links the program that decides the cells of a scene, into the disk cache.
 ///
 /// # Errors
 /// As [`Variant::program`].
@@ -221,25 +222,25 @@ pub fn link(variant: &Variant, scene: &Scene, library: &Library) -> Result<(), V
     prover::deciding(variant, scene, library).map(drop)
 }
 
-/// Whether a picture is drawn sooner where cells are known to be empty: by all rays whose program asks for them.
+/// Whether a picture is drawn faster with known empty cells: by all rays whose program asks for them.
 fn serve(shot: &FrameContext<'_>, library: &Library) -> bool {
     shot.scene.quality.pass == Pass::March || shot.scene.has_tiles(library)
 }
 
-/// So many cells along a side, each with its distance to one that may hold matter.
+/// Uploads a cube of cells, each with its distance to one that may hold matter.
 pub(crate) fn image(gpu: &Gpu, uploads: &Uploads, side: u32, texels: &[u8]) -> Result<Arc<Image>, RenderError> {
     Ok(uploads.image(gpu, "cells", Dimension::Volume(side, side, side), Format::R8Unorm, texels)?)
 }
 
-/// Cells along a side that pay for a picture on a device, which may be the processor; it may be the first of a program, and
-/// so many share them. 0 for none.
+/// Cells along a side that pay for a picture, given the texels that bounds read and the number of `pictures` that share
+/// the proofs; 0 if none pay.
 pub(super) fn side(is_cpu: bool, shot: &FrameContext<'_>, texels: u64, is_first: bool, pictures: u32) -> u32 {
     let scene = shot.scene;
     let [width, height] = shot.whole.map(f64::from);
     let samples =
         width * height * f64::from(shot.planes.count) * f64::from(scene.quality.supersampling) * unskipped(shot);
     let of_a_cell = if is_cpu { SAMPLES } else { SAMPLES_OF_A_GPU };
-    // Sub-frames of an exposure are counted already.
+    // Sub-frames of an exposure count as samples.
     let shared = if scene.camera.shutter > 0.0 { 1 } else { pictures.min(SHARED) };
     let levels = (samples * f64::from(shared) / of_a_cell).cbrt().log2().floor().clamp(0.0, 8.0);
     let side = 1 << levels as u32;
@@ -251,7 +252,7 @@ pub(super) fn side(is_cpu: bool, shot: &FrameContext<'_>, texels: u64, is_first:
     if pays { side.min(SIDES[1]) } else { 0 }
 }
 
-/// About which part of the samples is not shown to be empty by the distance to the objects, which rays alone ask for.
+/// Estimated share of samples that the distance field does not skip; slices skip none by it.
 fn unskipped(shot: &FrameContext<'_>) -> f64 {
     if shot.scene.quality.pass == Pass::Slices {
         return 1.0;
@@ -266,7 +267,7 @@ fn unskipped(shot: &FrameContext<'_>) -> f64 {
     f64::from((near.fold(0.0, f32::max) / shot.view.extent.radius).min(1.0))
 }
 
-/// How many cells it is from each to one that may hold matter, along the axis where that is farthest; 0 for such a one.
+/// Chebyshev distance of each cell to the nearest one that may hold matter.
 pub(super) fn distances(empty: &[bool], side: usize) -> Vec<u8> {
     let mut all: Vec<u8> = empty.iter().map(|&empty| if empty { u8::MAX } else { 0 }).collect();
     for stride in [1, side, side * side] {
@@ -274,7 +275,7 @@ pub(super) fn distances(empty: &[bool], side: usize) -> Vec<u8> {
         for (index, value) in all.iter_mut().enumerate() {
             let at = index / stride % side;
             let mut away = 1;
-            // Only what is nearer than what is known can be less.
+            // A nearer cell is needed to lower a known distance.
             while away < *value as usize && (at >= away || at + away < side) {
                 let near = if at >= away { before[index - away * stride] } else { u8::MAX };
                 let far = if at + away < side { before[index + away * stride] } else { u8::MAX };

@@ -1,7 +1,6 @@
-//! What decides which cells hold no matter: a program of the scene, evaluated over boxes.
+//! Proofs of empty cells, by evaluating a program of the scene over boxes.
 //!
-//! Role: the images and values of a picture -> for each cell whether it is proven to be empty. Invariant: proofs that took
-//! long are kept on disk under all that they depend on.
+//! Invariant: the disk cache keeps slow proofs under a hash of all that they depend on.
 
 use super::bounded_noise;
 use crate::eval::{self, Device, Interval, Outline};
@@ -19,74 +18,74 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 use support::disk_cache::{self, Kind};
 
-/// Cells along a side, at least and at most.
+/// Lowest and highest number of cells along a side.
 pub(super) const SIDES: [u32; 2] = [4, 64];
-/// More texels are not read back: each takes 21 bytes.
+/// Largest number of texels that bounds read; each takes 21 bytes.
 const MOST_TEXELS: u64 = 1 << 24;
-/// How much larger a cell is taken than it is, in parts of its side: places of samples are rounded.
+/// Growth of a cell for the rounding of sample positions, relative to its side.
 const MARGIN: f64 = 1e-3;
-/// Roundings of the place of a sample, in parts of its distance from the eye.
+/// Rounding error of a sample position, relative to its distance from the eye.
 const PLACE: f64 = 1e-6;
-/// So many cells along a side are always tried; finer ones if of so many boxes at least one is empty.
+/// Always refine to 16^3 cells; refine further only if at least 1 in 32 boxes was empty.
 const TRIED: u32 = 16;
 const LEAST_FOUND: usize = 32;
-/// Scalar operations that finer boxes may take: some seconds.
+/// Largest number of scalar operations for finer boxes: some seconds.
 const OPERATIONS: u64 = 4_000_000_000;
-/// Boxes that one thread decides at a time.
+/// Boxes that a thread evaluates at a time.
 const BOXES: usize = 512;
-/// While images are read, whether to stop is asked this often.
+/// Polling interval of `stop` during the loading of images.
 const LOOK: Duration = Duration::from_micros(200);
-/// Bytes of the stack of the thread that reads them: programs of tables are walked deeply.
+/// Stack size of the loading thread, bytes: programs of tables recurse deeply.
 pub(super) const STACK: usize = 16 << 20;
 
-/// Proofs that take longer are kept on disk, milliseconds. Less: a value that is pulled fills the disk.
+/// Shortest time of a proof that is kept on disk, milliseconds. Lower: dragging a slider fills the disk.
 const KEPT_FROM_MS: f64 = 20.0;
 /// Some ten thousand proofs.
 const KIND: Kind = Kind { ends: &["cells"], limit: 64 << 20 };
-/// Counts up where proofs change.
+/// Increment when proofs change.
 const VERSION: u32 = 2;
 
-/// What decides, made for the first picture that it pays for.
+/// Prover of a program's cells, loaded for the first picture that it pays for.
 pub(super) enum CellProver {
-    /// Not made yet; its images have at least so many texels.
+    /// Not loaded; a lower bound of the texels of its images.
     Idle(u64),
-    /// It reads its images, which have so many texels, on a thread of its own: a part of a second.
+    /// A thread reads its images, with this number of texels; takes a fraction of a second.
     Loading(u64, Option<JoinHandle<Result<BoundedProgram, RenderError>>>),
     Ready(Box<BoundedProgram>),
-    /// There are no bounds, and why.
+    /// Bounds do not exist, for this reason.
     Unavailable(String),
 }
 
-/// A program that says where matter is, and what it reads.
+/// A program that decides where matter is, with its inputs.
 pub(super) struct BoundedProgram {
     pub(super) reads: Arc<Reads>,
     pub(super) code: eval::Program,
     outline: Outline,
     pub(super) inputs: eval::Inputs,
     pub(super) texels: u64,
-    /// That of the program, and of its images and how they are filtered.
+    /// Hash of the program, its images and their filters.
     hash: blake3::Hash,
 }
 
-/// What a program reads of the values of a picture.
+/// Uniforms that a program reads.
 pub(super) struct Reads {
     program: Program,
-    /// The members of blocks that it reads.
+    /// Block members that it reads.
     members: BTreeSet<(u32, u32)>,
 }
 
-/// A box in object space and how it is divided.
+/// A box in object space, divided into cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct CellGrid {
     low: [f64; 3],
     high: [f64; 3],
     /// Cells along each side, a power of two.
     pub(super) side: u32,
-    /// How much larger than they are cells are taken, object units.
+    /// Growth of cells for rounding, object units.
     margin: [f64; 3],
 }
 
-/// The program that says where matter is, and the noise that it looks up.
+/// The program that decides where matter is, and the noise that it looks up.
 pub(super) fn deciding(
     variant: &Variant,
     scene: &Scene,
@@ -100,7 +99,7 @@ pub(super) fn deciding(
 }
 
 impl CellProver {
-    /// For the program of a shot, if it `pays` to read so many texels of images.
+    /// Starts the loading of a prover if it `pays` to read its number of texels.
     pub(super) fn new(
         library: &Library,
         shot: &FrameContext<'_>,
@@ -145,7 +144,7 @@ impl CellProver {
         })
     }
 
-    /// Waits until it has read its images; ends where it is to `stop`.
+    /// Waits for the loading thread, unless told to `stop`.
     pub(super) fn wait(&mut self, stop: &dyn Fn() -> bool) -> Result<(), RenderError> {
         let CellProver::Loading(_, thread) = self else { return Ok(()) };
         while thread.as_ref().is_some_and(|thread| !thread.is_finished()) {
@@ -164,7 +163,7 @@ impl CellProver {
 }
 
 impl BoundedProgram {
-    /// Reads the images of a program, which have so many texels, beside the noise that it looks up.
+    /// Encodes the images of a program, without the noise that it looks up.
     fn new(
         library: &Library,
         shot: &FrameContext<'_>,
@@ -195,18 +194,19 @@ impl BoundedProgram {
         Ok(BoundedProgram { reads, code, outline, inputs, texels, hash })
     }
 
-    /// Sets what the program reads beside images, from a time on until another; what depends on it at the first, in bits.
+    /// Sets the uniforms for the time span from `time` to `until`. Returns the bits of all values that depend on them
+    /// at `time`.
     pub(super) fn fill(&mut self, values: &Values, [time, until]: [f32; 2]) -> Result<Vec<u64>, RenderError> {
         self.inputs.blocks = filled(&self.reads.program, values, time)?;
         self.inputs.until = if until > time { filled(&self.reads.program, values, until)? } else { BTreeMap::new() };
         if self.inputs.until == self.inputs.blocks {
-            self.inputs.until.clear(); // nothing depends on the time
+            self.inputs.until.clear(); // independent of time
         }
         Ok(self.code.values(&self.outline, &self.inputs.blocks)?)
     }
 
-    /// Which cells are proven to be empty by what [`BoundedProgram::fill`] gave, and whether that was kept on disk, where proofs of
-    /// one time are; none where it was to `stop`.
+    /// Proves cells for the uniforms of [`BoundedProgram::fill`]: emptiness, and whether the proof came from the disk
+    /// cache, which holds proofs of single moments. `None` when told to `stop`.
     pub(super) fn proven(
         &self,
         boxes: &CellGrid,
@@ -229,12 +229,12 @@ impl BoundedProgram {
         Ok(Some((empty, false)))
     }
 
-    /// The hash of all that the proofs depend on.
+    /// Hash of all that the proofs depend on.
     pub(super) fn key(&self, boxes: &CellGrid, read: &[u64]) -> blake3::Hash {
         blake3::hash(format!("{VERSION} {:?} {boxes:?} {read:?}", self.hash).as_bytes())
     }
 
-    /// Which cells are proven to be empty, x fastest; none where it was to `stop`.
+    /// Emptiness of each cell, x fastest; `None` when told to `stop`.
     pub(super) fn empty(
         &self,
         boxes: &CellGrid,
@@ -281,7 +281,7 @@ impl BoundedProgram {
 }
 
 impl Reads {
-    /// What the program reads beside images and the time, in bytes.
+    /// Bytes of the uniforms that the program reads, except the time.
     pub(super) fn timeless(&self, values: &Values) -> Result<Vec<u8>, RenderError> {
         let filled = filled(&self.program, values, 0.0)?;
         let blocks = filled.iter().map(|(binding, bytes)| (*binding, bytes.as_slice()));
@@ -289,7 +289,7 @@ impl Reads {
     }
 }
 
-/// The blocks of a program at a time, by binding.
+/// Blocks of a program at a time, by binding.
 fn filled(program: &Program, values: &Values, time: f32) -> Result<BTreeMap<u32, Vec<u8>>, RenderError> {
     let mut values = values.clone();
     values.insert(TIME.into(), vec![time]);
@@ -297,19 +297,19 @@ fn filled(program: &Program, values: &Values, time: f32) -> Result<BTreeMap<u32,
     Ok(filled.map(|(resource, bytes)| (resource.binding, bytes)).collect())
 }
 
-/// Eight truths in a byte.
+/// Packs eight booleans into a byte.
 pub(super) fn packed(truths: &[bool]) -> Vec<u8> {
     let byte = |eight: &[bool]| eight.iter().rev().fold(0, |byte, &truth| byte << 1 | u8::from(truth));
     truths.chunks(8).map(byte).collect()
 }
 
-/// So many truths, where the bytes hold as many.
+/// Unpacks `count` booleans; `None` for another number of bytes.
 pub(super) fn unpacked(bytes: &[u8], count: usize) -> Option<Vec<bool>> {
     let truth = |index: usize| bytes[index / 8] >> (index % 8) & 1 == 1;
     (bytes.len() == count.div_ceil(8)).then(|| (0..count).map(truth).collect())
 }
 
-/// The cells that a cell is divided into, so many along each side.
+/// Children of a cell that is divided into `count` parts along each side.
 fn children(cell: [u32; 3], count: u32) -> impl Iterator<Item = [u32; 3]> {
     let first = cell.map(|at| at * count);
     (0..count.pow(3)).map(move |k| [first[0] + k % count, first[1] + k / count % count, first[2] + k / count.pow(2)])
@@ -323,18 +323,18 @@ impl CellGrid {
         CellGrid { low, high, side, margin }
     }
 
-    /// The same with cells that are taken larger: for cameras that are up to so many times as far, and more.
+    /// Grows the margin of cells, for cameras that are farther away by this factor.
     pub(super) fn wider(self, times: f64) -> CellGrid {
         CellGrid { margin: self.margin.map(|margin| times * margin), ..self }
     }
 
-    /// Whether what is proven for these holds for others.
+    /// Whether proofs for these cells hold for others.
     pub(super) fn hold_for(&self, other: &CellGrid) -> bool {
         let wide = self.margin.iter().zip(&other.margin).all(|(own, other)| own >= other);
         wide && (self.low, self.high, self.side) == (other.low, other.high, other.side)
     }
 
-    /// The box of one of so many cells along a side, a little larger than it is.
+    /// Box of a cell in a grid of `side` cells, grown by the margin.
     pub(super) fn cell(&self, cell: [u32; 3], side: u32) -> [Interval; 4] {
         let of = |axis: usize, at: u32| {
             self.low[axis] + (self.high[axis] - self.low[axis]) * f64::from(at) / f64::from(side)

@@ -1,6 +1,6 @@
-//! Where in a picture slices meet cells that may hold matter.
+//! Tiles in which slices meet cells that may hold matter.
 //!
-//! Role: which cells are empty -> the tiles that slices are drawn in. Invariant: what lies in none has no matter in that slice.
+//! Invariant: a slice has no matter outside its tiles.
 
 use super::prover::CellGrid;
 use super::tiles::{SIDE, Tiles};
@@ -10,14 +10,15 @@ use crate::scene::Order;
 use glam::{Mat4, Vec2, Vec3};
 use std::ops::Range;
 
-/// Groups of slices that have the same tiles, for each cell that they go through.
+/// Groups of slices with common tiles, for each cell along the axis of view.
 const GROUPS: u32 = 4;
-/// Pixels by which a cell is taken larger: a picture of several is moved by half a pixel, and places are rounded.
+/// Growth of a projected cell, pixels: sub-frames shift the picture by half a pixel, and positions are rounded.
 const MARGIN: f32 = 1.5;
-/// The same along the axis of view, in steps between planes: samples are shifted by up to a half. They may look back by one.
+/// Growth of a cell along the axis of view, in steps between planes: jitter shifts samples by up to a half. Samples
+/// that look back add one.
 const REACH: f32 = 0.75;
 
-/// Where cells that are not `empty` meet the slices of a shot, within areas of its picture.
+/// Tiles in which cells that may hold matter meet the slices of a picture, within some areas.
 pub(super) fn tiles(shot: &FrameContext<'_>, boxes: &CellGrid, empty: &[bool], within: &[Area]) -> Tiles {
     let (planes, side) = (&shot.planes, boxes.side);
     let alike = (planes.count / (GROUPS * side)).max(1);
@@ -46,15 +47,15 @@ pub(super) fn tiles(shot: &FrameContext<'_>, boxes: &CellGrid, empty: &[bool], w
     Tiles::of_marks(&marks, columns, alike, within)
 }
 
-/// Which of so many parts of length 1 a range touches.
+/// Indices of the unit intervals that a range touches, below `count`.
 fn within_count(range: Range<f32>, count: usize) -> Range<usize> {
-    // A number below 0 is cast to 0.
+    // The cast clamps negative numbers to 0.
     let end = (range.end.floor() + 1.0) as usize;
     let end = end.min(count);
     (range.start.floor() as usize).min(end)..end
 }
 
-/// How object space is seen in a picture.
+/// Projection from object space to pixels.
 struct Seen {
     object_matrix: Mat4,
     projection: Mat4,
@@ -75,7 +76,7 @@ impl Seen {
         }
     }
 
-    /// Between which depths a box is, in which columns of pixels and in which rows; everywhere, where it reaches the eye.
+    /// Depths, pixel columns and pixel rows of a box; the whole picture if the box reaches the eye.
     fn around(&self, [x, y, z]: [[f32; 2]; 3]) -> (Range<f32>, Range<f32>, Range<f32>) {
         let corner = |bits: usize| Vec3::new(x[bits & 1], y[bits >> 1 & 1], z[bits >> 2]);
         let corners = [0, 1, 2, 3, 4, 5, 6, 7].map(|bits| self.object_matrix.transform_point3(corner(bits)));

@@ -1,4 +1,4 @@
-//! Cells that are called empty are.
+//! Soundness of empty cells.
 
 use super::bounded_noise as ranged;
 use super::grid::distances;
@@ -36,12 +36,12 @@ fn a_cell_knows_how_far_it_is_to_the_next_that_may_hold_matter() {
     assert_eq!(distances(&[true; 8], 2), [u8::MAX; 8]);
 }
 
-/// Sets what is read at one time.
+/// Sets the uniforms of a single moment.
 fn fill(bounded: &mut BoundedProgram, values: &Values) -> Vec<u64> {
     bounded.fill(values, [values[TIME][0]; 2]).unwrap()
 }
 
-/// What decides, waited for.
+/// A loaded prover.
 pub(super) fn decider(library: &Library, shot: &FrameContext<'_>, pays: impl Fn(u64) -> bool) -> CellProver {
     let program = shot.variant.program(library, Linker::new).unwrap();
     let images = Inputs::new(library, shot, &program, &|_| ()).unwrap().images;
@@ -83,7 +83,7 @@ fn cells_end_where_something_else_is_to_be_done() {
     let variant = Variant::of(&scene, &library).unwrap();
     let shot = FrameContext::of(&scene, &subject, &variant);
     let mut decider = CellProver::new(&library, &shot, &|_| None, |_| true).unwrap();
-    // It may be sooner than that; it goes on in any case.
+    // Loading may finish before `stop` is asked.
     let stopped = matches!(decider.wait(&|| true), Err(RenderError::Stopped));
     assert_eq!(matches!(decider, CellProver::Loading(..)), stopped);
     decider.wait(&|| false).unwrap();
@@ -96,7 +96,7 @@ fn cells_end_where_something_else_is_to_be_done() {
     assert!(bounded.empty(&boxes, &|| false).unwrap().is_some());
 }
 
-/// What says where matter is, as it is drawn: without what bounds replace in it.
+/// The drawn program of matter, without replaced noise.
 pub(super) fn drawn(
     scene: &Scene,
     library: &Library,
@@ -110,7 +110,7 @@ pub(super) fn drawn(
     (code, eval::Inputs { blocks, ..read.exact() })
 }
 
-/// How many cells of a scene are empty, and how many samples in those hold matter.
+/// Number of empty cells of a scene, and number of samples with matter in them.
 fn judge(scene: &Scene, side: u32, random: &mut SplitMix, samples: usize) -> (usize, usize) {
     let library = shader::shipped();
     let subject = Subject::load(scene, &library, &|_| ()).unwrap();
@@ -130,7 +130,7 @@ fn judge(scene: &Scene, side: u32, random: &mut SplitMix, samples: usize) -> (us
     let places = (0..samples).map(|_| {
         let index = which[(random.bits() % which.len() as u64) as usize];
         let cell = boxes.cell([index % side, index / side % side, index / side / side], side);
-        // Ends of the box as often as what is within it.
+        // Clamping weights the faces of the box.
         cell.map(|range| range.lo + (range.hi - range.lo) * (1.5 * random.unit() - 0.25).clamp(0.0, 1.0))
     });
     let lanes = eval::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places.collect())].into() };
@@ -179,7 +179,7 @@ fn proofs_are_kept_under_all_that_they_depend_on() {
     assert_eq!(unpacked(&bytes, bytes.len() * 8 + 1), None);
 }
 
-/// Noise and turbulence that are computed in place.
+/// Computed noise and turbulence modules.
 const COMPUTED: [[&str; 2]; 6] = [
     ["procedural", "procedural"],
     ["tables", "octaves"],
@@ -189,8 +189,7 @@ const COMPUTED: [[&str; 2]; 6] = [
     ["wavelet", "arrays"],
 ];
 
-/// Sets the noise and the turbulence of all objects, and as many samples and octaves as wavelets may have; whether the scene
-/// takes that.
+/// Sets noise and turbulence of all objects, within the limits of wavelets; whether the scene is valid.
 fn compute_noise(scene: &mut Scene, library: &Library, [noise, turbulence]: [&str; 2]) -> bool {
     let mut other = scene.clone();
     if noise == "wavelet" {
@@ -275,7 +274,7 @@ fn m61_nearly_as_many_cells_of_computed_noise_are_empty_as_of_a_block() {
 
 #[test]
 fn m61_cells_that_are_called_empty_hold_no_matter() {
-    // HYPERTEXTURE_SCENES=200 asks for as many scenes with other parameters, and for 500 000 samples of each.
+    // HYPERTEXTURE_SCENES=200 asks for 200 scenes with other parameters, and for 500 000 samples of each.
     let asked: Option<usize> = std::env::var("HYPERTEXTURE_SCENES").ok().and_then(|count| count.parse().ok());
     let (count, samples) = asked.map_or((12, SAMPLES_OF_A_SCENE), |count| (count, 25 * SAMPLES_OF_A_SCENE));
     let library = shader::shipped();
@@ -295,7 +294,7 @@ fn m61_cells_that_are_called_empty_hold_no_matter() {
     assert!(presets.len() > 15, "{}", presets.len());
     for index in 0..presets.len() + count {
         let (name, mut scene) = presets[index % presets.len()].clone();
-        // Of all but the presets every other one computes its noise.
+        // Every other scene after the presets computes its noise.
         if index >= presets.len() && index % 2 == 0 {
             let of = index / 2 % COMPUTED.len();
             computed[of] += usize::from(compute_noise(&mut scene, &library, COMPUTED[of]));
@@ -369,7 +368,7 @@ fn m61_slices_have_tiles_where_cells_may_hold_matter_and_few_elsewhere() {
             let cell = boxes.cell([index % side, index / side % side, index / side / side], side);
             let [x, y, z, _] = cell.map(|range| (range.lo + (range.hi - range.lo) * random.unit()) as f32);
             let eye = view.object_matrix.transform_point3(glam::Vec3::new(x, y, z));
-            // Where a ray through a pixel of `march.frag` meets it.
+            // The pixel whose ray in `march.frag` meets the place.
             let depth = if scene.camera.projection == Projection::Perspective { -eye.z } else { 1.0 };
             let place = [0, 1].map(|axis| {
                 let sign = if axis == 0 { 1.0 } else { -1.0 };

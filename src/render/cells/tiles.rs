@@ -1,35 +1,34 @@
-//! The areas of a picture that each of its slices is drawn in.
+//! Areas of the picture in which each slice is drawn.
 //!
-//! Role: marked tiles -> few areas for each slice, in the order in which slices are drawn. Invariant: the areas of a slice do
-//! not overlap; a slice is cut by them alone, so that what is drawn has the same bits.
+//! Invariant: the areas of a slice do not overlap, so that clipping to them changes no bit of its pixels.
 
 use crate::gpu::Area;
 use std::ops::Range;
 
-/// Pixels along a side of a tile. Fewer: more draws than they save.
+/// Pixels along a side of a tile. Lower: more draw calls than they save.
 pub(super) const SIDE: u32 = 32;
 
-/// The areas that slices are drawn in.
+/// Areas of each slice, in drawing order.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Tiles {
-    /// So many slices, one behind the other, have the same areas.
+    /// Number of consecutive slices with common areas.
     alike: u32,
-    /// Those of the first slices, of the next, and so on.
+    /// Areas of each group of slices.
     areas: Vec<Vec<Area>>,
 }
 
 impl Tiles {
-    /// The same areas for all.
+    /// Common areas of all slices.
     pub(crate) fn everywhere(areas: &[Area]) -> Tiles {
         Tiles { alike: u32::MAX, areas: vec![areas.to_vec()] }
     }
 
-    /// For each so many slices, what of some areas lies in marked tiles, of which a row has so many.
+    /// Areas of the marked tiles for each group of `alike` slices, clipped to some areas; `columns` tiles in a row.
     pub(crate) fn of_marks(marks: &[Vec<bool>], columns: usize, alike: u32, within: &[Area]) -> Tiles {
         Tiles { alike, areas: marks.iter().map(|marks| cut(&joined(marks, columns), within)).collect() }
     }
 
-    /// Runs of slices that have the same areas, with them.
+    /// Runs of slices with common areas.
     pub(crate) fn runs(&self, slices: Range<u32>) -> impl Iterator<Item = (Range<u32>, &[Area])> {
         let numbered = (0u32..).zip(&self.areas);
         numbered.filter_map(move |(number, areas)| {
@@ -39,14 +38,14 @@ impl Tiles {
         })
     }
 
-    /// Pixels that all of a range of slices are drawn in.
+    /// Pixels drawn by a range of slices.
     pub(crate) fn pixels(&self, slices: Range<u32>) -> u64 {
         let of = |areas: &[Area]| areas.iter().map(Area::pixels).sum::<u64>();
         self.runs(slices).map(|(run, areas)| run.len() as u64 * of(areas)).sum()
     }
 }
 
-/// Marked tiles as few areas: runs of a row, joined with one above that is as wide.
+/// Merges marked tiles into few areas: runs of a row, joined with an equally wide run above.
 fn joined(marks: &[bool], columns: usize) -> Vec<Area> {
     let mut areas: Vec<Area> = Vec::new();
     for (row, marks) in (0u32..).zip(marks.chunks(columns)) {
@@ -66,7 +65,7 @@ fn joined(marks: &[bool], columns: usize) -> Vec<Area> {
     areas
 }
 
-/// What of areas lies within others.
+/// Intersections of two sets of areas.
 fn cut(areas: &[Area], within: &[Area]) -> Vec<Area> {
     let both = |a: &Range<u32>, b: &Range<u32>| a.start.max(b.start)..a.end.min(b.end);
     let cut = within.iter().flat_map(|own| {

@@ -1,34 +1,33 @@
-//! For how long proofs of empty cells hold: pictures that differ in their time alone share them.
+//! Time spans of proofs, which pictures that differ in time alone share.
 //!
-//! Role: sub-frames of a moving picture, frames of a sequence and a window that plays are pictures at even times. Cells are
-//! proven for an interval of time that holds the next of them, as many as it can without finding much less that is empty;
-//! after the first of an exposure, for all of it.
+//! Sub-frames of an exposure, frames of a sequence and playback are pictures at regular times. A proof covers the next
+//! pictures, as many as possible without losing many empty cells; the second proof of an exposure covers all of it.
 
-/// Pictures of one proof at most that may not come. More: nothing to gain, since proofs are then a small part of the time.
+/// Largest number of future pictures in a proof. Higher: no gain, since proofs take a small share of the time.
 const MOST: u32 = 64;
-/// The part of what is empty at one time that must be so over an interval. Less: rays take samples that proofs would save.
-/// More: more proofs.
+/// Lowest share of the cells empty at one moment that must be empty over a span. Lower: rays take samples that shorter
+/// spans would save. Higher: more proofs.
 const KEPT: f32 = 0.95;
 
-/// For which pictures proofs hold, and for how many the next ones are made.
+/// Validity of the current proof, and the length of the next.
 #[derive(Debug, Default)]
 pub(super) struct TimeSpan {
-    /// What the proofs depend on but for the time.
+    /// Inputs of the proof except the time.
     timeless: Vec<u8>,
-    /// From when to when they hold, seconds.
+    /// First and last time of validity, seconds.
     times: [f32; 2],
-    /// The time of the picture before.
+    /// Time of the previous picture.
     last: f32,
-    /// Pictures that the last proofs were made for.
+    /// Number of pictures in the current proof.
     made_for: u32,
-    /// Pictures that the next ones are made for.
+    /// Number of pictures in the next proof.
     pictures: u32,
-    /// The part of the cells that was empty at one time.
+    /// Share of cells empty at a single moment.
     at_once: f32,
 }
 
 impl TimeSpan {
-    /// Whether the proofs hold for a picture that depends on this and on its time.
+    /// Whether the proof holds for a picture with these inputs at a time.
     pub(super) fn holds(&mut self, timeless: &[u8], time: f32) -> bool {
         let holds = self.timeless == timeless && self.times[0] <= time && time <= self.times[1];
         if holds {
@@ -37,24 +36,24 @@ impl TimeSpan {
         holds
     }
 
-    /// From when to when proofs are to hold that are made for a picture, whose exposure ends at some time.
+    /// Time span of the next proof, for a picture whose exposure ends at `end`.
     pub(super) fn next(&self, timeless: &[u8], time: f32, end: f32) -> [f32; 2] {
         let step = if self.timeless == timeless { time - self.last } else { 0.0 };
-        let ahead = step * (self.pictures as f32 - 0.75); // a little more than to the last: times are rounded
+        let ahead = step * (self.pictures as f32 - 0.75); // a little beyond the last: times are rounded
         [time, if step > 0.0 && self.pictures > 1 { end.max(time + ahead) } else { time }]
     }
 
-    /// How many pictures share the proofs that hold.
+    /// Number of pictures that share the current proof.
     pub(super) fn shared(&self) -> u32 {
         self.made_for.max(1)
     }
 
-    /// How many pictures are to share proofs that hold from when to when.
+    /// Number of pictures that share a proof over `times`.
     pub(super) fn to_share(&self, times: [f32; 2]) -> u32 {
         if times[0] < times[1] { self.pictures } else { 1 }
     }
 
-    /// Takes proofs that hold for this and found such a part of the cells empty.
+    /// Stores a new proof and the share of empty cells that it found.
     pub(super) fn take(&mut self, timeless: Vec<u8>, times: [f32; 2], empty: f32) {
         self.made_for = self.to_share(times);
         self.pictures = match times[0] < times[1] {
@@ -73,7 +72,8 @@ impl TimeSpan {
 mod tests {
     use super::*;
 
-    /// How many proofs so many pictures take, of which the part that is empty falls with the length of an interval.
+    /// Number of proofs that a sequence of pictures takes; `empty` maps the length of a span to the share of empty
+    /// cells.
     fn proofs(pictures: usize, step: f32, end: f32, empty: impl Fn(f32) -> f32) -> usize {
         let mut span = TimeSpan::default();
         let times = (0..pictures).map(|index| 0.3 + step * index as f32);

@@ -1,4 +1,4 @@
-//! Cells that are called empty from one time on until another are so at each time between.
+//! Cells that are empty over a time span are empty at each time in it.
 
 use super::prover::{BoundedProgram, CellGrid, CellProver};
 use super::tests::{decider, drawn};
@@ -13,11 +13,11 @@ use support::random::SplitMix;
 
 /// Cells along a side.
 const SIDE: u32 = 16;
-/// Times at which each scene is looked at, and samples at each.
+/// Tested times of each scene, and samples at each.
 const TIMES: usize = 6;
 const SAMPLES: usize = 20_000;
 
-/// What decides about the cells of a scene, and the values of its first picture.
+/// The prover of a scene, and the values of its first picture.
 struct Made {
     subject: Subject,
     variant: Variant,
@@ -114,7 +114,7 @@ fn segments_of_noise_that_is_looked_up_hold_what_is_drawn() {
         let bound = code.bind(&inputs).unwrap();
         for _ in 0..PLACES {
             let parts: Vec<f64> = segments.iter().map(|_| random.unit()).collect();
-            // Two places that are as far from the middle: what is linear cancels in their mean.
+            // Two places at equal distances from the middle: linear terms cancel in their mean.
             let found = [false, true].map(|mirrored| {
                 let place = |([from, to], part): (&[[f64; 4]; 2], &f64)| {
                     let part = if mirrored { 1.0 - part } else { *part };

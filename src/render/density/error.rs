@@ -1,10 +1,10 @@
-//! Errors of meshes and of other measurements of density.
+//! Errors of meshes and of density measurements.
 
 use crate::eval::ExactError;
 use crate::render::error::RenderError;
 use crate::render::variant::VariantError;
 
-/// Why there is no mesh.
+/// Error of a mesh or a density measurement.
 #[derive(Debug, thiserror::Error)]
 pub enum PolygonizeError {
     /// The scene has no program.
@@ -25,9 +25,9 @@ pub enum PolygonizeError {
         false => String::new(),
     })]
     NoSurface {
-        /// The density that was asked for.
+        /// Requested density.
         level: f64,
-        /// The largest that a sample has where bounds do not tell that all have less.
+        /// Largest density of a sample, except where bounds prove that all are lower.
         largest: f64,
     },
 }

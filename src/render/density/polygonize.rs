@@ -1,8 +1,7 @@
-//! The surface where the density of a scene crosses a value, as a mesh.
+//! Iso-surface of a scene's density as a closed mesh, for other programs to open, print or cut.
 //!
-//! Role: a hypertextured object becomes a solid that other programs open, print or cut. Invariant: the density is that of the
-//! scene's own program, evaluated by [`exact`](crate::eval) in f64, so that nothing of a formula is written a second time; blocks of
-//! samples are left out only where bounds prove on which side of the surface they are; the mesh is closed.
+//! Invariant: the density is that of the scene's program, evaluated by [`eval`](crate::eval) in f64, so that no formula
+//! is written twice. Blocks of samples are skipped only if bounds prove their side of the surface.
 
 use super::program::{Density, DensityProgram};
 use crate::eval::ExactError;
@@ -17,27 +16,27 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Samples along the side of a block that bounds are computed of. Fewer: more bounds. More: they say less.
+/// Samples along a side of a block with common bounds. Lower: more bounds. Higher: looser bounds.
 const BLOCK: u32 = 8;
-/// Blocks, and edges, that a thread works on at a time.
+/// Blocks and edges in a batch of a thread.
 const BLOCKS: usize = 16;
 const EDGES: usize = 1024;
-/// How often the part of an edge in which the surface lies is halved: 2^-13 of an edge is below what f32 tells apart.
+/// Bisections of an edge: 2^-13 of an edge is below the resolution of f32.
 const HALVINGS: u32 = 12;
 
-/// What to make a mesh of.
+/// Settings of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Polygons {
     /// Samples along the longest side of the box around the soft region; 8 to 512.
     pub grid: u32,
-    /// The density of the surface, above 0, up to 1; a hard object has 1 inside and 0 outside.
+    /// Density of the surface, above 0, up to 1; a hard object has 1 inside and 0 outside.
     pub density: f32,
 }
 
 /// First and last sample on each axis.
 type Block = [[u32; 2]; 3];
 
-/// Samples of object space.
+/// Sample grid in object space.
 struct Samples {
     size: [u32; 3],
     low: DVec3,
@@ -45,7 +44,7 @@ struct Samples {
 }
 
 impl Samples {
-    /// Around a box, with one layer outside of it.
+    /// Grid around a box, with one layer outside of it.
     fn around(low: DVec3, high: DVec3, grid: u32) -> Samples {
         let extent = high - low;
         let step = extent.max_element() / f64::from(grid - 3);
@@ -71,7 +70,7 @@ impl Samples {
         [index % x, index / x % y, index / x / y]
     }
 
-    /// The indices of the samples of a block.
+    /// Indices of the samples of a block.
     fn within(&self, [xs, ys, zs]: Block) -> impl Iterator<Item = u32> {
         let all = |[first, last]: [u32; 2]| first..=last;
         all(zs).flat_map(move |z| all(ys).flat_map(move |y| all(xs).map(move |x| self.index([x, y, z]))))
@@ -85,13 +84,14 @@ impl Samples {
     }
 }
 
-/// The mesh of a scene at its first moment: closed, wound outward, in the world units and axes of its first object.
+/// Mesh of a scene at its first moment: closed, wound outward, in the world units and axes of its main object.
 ///
-/// Vertices are within 2^-13 of the distance between samples of the surface along an edge; matter thinner than that distance
-/// may be overlooked. `progress` is called with the part that is done, from any thread.
+/// Vertices are exact to 2^-13 of the sample distance along an edge; thinner matter than that distance may be missed.
+/// `progress` receives the finished share, from any thread.
 ///
 /// # Errors
-/// The scene has no program, one that [`exact`](crate::eval) does not cover, or no matter as dense; resolution or density out of range.
+/// The scene has no program, one that [`eval`](crate::eval) does not cover, or no matter of this density; or a setting
+/// is out of range.
 pub fn polygonize(
     library: &Library,
     scene: &Scene,
@@ -123,7 +123,7 @@ pub fn polygonize(
     Ok(Mesh { positions: positions.concat(), triangles: set.triangles, offset: subject.offset })
 }
 
-/// Which samples are inside.
+/// Finds the samples inside the surface.
 fn inside(density: &Density<'_>, samples: &Samples, progress: Progress<'_>) -> Result<Vec<bool>, PolygonizeError> {
     let blocks = samples.blocks();
     let (blocks_in_all, done) = (blocks.len() as f32, AtomicUsize::new(0));
@@ -152,7 +152,7 @@ fn inside(density: &Density<'_>, samples: &Samples, progress: Progress<'_>) -> R
     Ok(inside)
 }
 
-/// Where the surface crosses edges, in object space.
+/// Finds the crossings of edges by bisection, object space.
 fn crossings(density: &Density<'_>, samples: &Samples, edges: &[[u32; 2]]) -> Result<Vec<DVec3>, ExactError> {
     let ends: Vec<[DVec3; 2]> = edges.iter().map(|edge| edge.map(|end| samples.place(samples.of_index(end)))).collect();
     let mut spans = vec![[0.0, 1.0]; edges.len()];
@@ -166,7 +166,7 @@ fn crossings(density: &Density<'_>, samples: &Samples, edges: &[[u32; 2]]) -> Re
     Ok(ends.iter().zip(&spans).map(|(ends, span)| middle(ends, span)).collect())
 }
 
-/// A place in object space, in the world and by the axes of the file that the object is from.
+/// Converts a place from object space to the world and axes of the object's file.
 fn world(subject: &Subject, object: &Object, place: DVec3) -> Vec3 {
     let stretched = place * Vec3::from(object.stretch).as_dvec3() / f64::from(subject.scale);
     object.up.turned_back(subject.center.as_dvec3() + stretched).as_vec3()

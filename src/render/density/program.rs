@@ -1,7 +1,6 @@
-//! The density of a scene anywhere in object space.
+//! Density of a scene anywhere in object space.
 //!
-//! Role: what is measured of matter without a picture: its surface, how much of it there is of each density, and what is on a
-//! ray. Invariant: the density is that of the scene's own program, evaluated by [`exact`] in f64, and in bounds of it.
+//! Invariant: the density is that of the scene's program, evaluated by [`eval`](crate::eval) in f64 and in bounds.
 
 use super::error::PolygonizeError;
 use crate::eval::{self, Device, ExactError, Interval, Sloped};
@@ -16,19 +15,19 @@ use crate::shader::{Library, Linker};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// The opacity of the program: the density itself, of whatever path.
+/// Opacity module that returns the density, whatever the path.
 const DENSITY: &str = "// The density in place of the opacity of a path.
 float opacity(float density, float amount) { return density; }
 float segment_opacity(float d0, float d1, float amount) { return 0.5 * (d0 + d1); }
 ";
-/// Places that are evaluated together.
+/// Points in a batch.
 const TOGETHER: usize = 1024;
 
-/// What gives the density of a scene at its first moment.
+/// Density of a scene at its first moment.
 pub(crate) struct DensityProgram {
     code: eval::Program,
     inputs: eval::Inputs,
-    /// Where the soft region is.
+    /// Bounds of the soft region.
     pub view: View,
     library: Library,
     variant: Variant,
@@ -37,7 +36,7 @@ pub(crate) struct DensityProgram {
 }
 
 impl DensityProgram {
-    /// That of a scene.
+    /// Links and loads the density of a scene.
     pub fn of(library: &Library, scene: &Scene, subject: &Subject) -> Result<DensityProgram, PolygonizeError> {
         let library = library.clone().with_module("opacity", "density", DENSITY);
         let drawn = Variant::of(scene, &library)?;
@@ -52,8 +51,8 @@ impl DensityProgram {
         Ok(DensityProgram { code, inputs, view, library, variant, octaves, cpu_inputs })
     }
 
-    /// Bounds along segments in object space, each from one of these places to the next, which are a length apart: of the
-    /// density, and of how much it changes, divided by the distance.
+    /// Bounds of the density, and of its difference quotient, along the segments between consecutive `places`, each of
+    /// this `length`; object space.
     fn between(&self, places: &[DVec3], length: f64) -> Result<Vec<Sloped>, PolygonizeError> {
         let (own, inputs) = match bounded(&self.variant, &self.library) {
             None => (None, self.inputs.clone()),
@@ -76,21 +75,21 @@ impl DensityProgram {
         Ok(outputs[&0].iter().map(|[density, ..]| *density).collect())
     }
 
-    /// With what it reads.
+    /// Binds the inputs of the program.
     pub fn bound(&self, level: f64) -> Result<Density<'_>, ExactError> {
         Ok(Density { bound: self.code.bind(&self.inputs)?, level })
     }
 }
 
-/// The program of a density, and what it reads.
+/// A density program with its inputs.
 pub(crate) struct Density<'a> {
     bound: eval::BoundProgram<'a>,
-    /// What is inside is at least as dense.
+    /// Lowest density inside.
     pub level: f64,
 }
 
 impl Density<'_> {
-    /// At places in object space.
+    /// Evaluates the density at points in object space.
     pub fn at(&self, places: &[DVec3]) -> Result<Vec<f64>, ExactError> {
         let places = places.iter().map(|place| [place.x, place.y, place.z, 0.0]).collect();
         let lanes = eval::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places)].into() };
@@ -98,7 +97,7 @@ impl Density<'_> {
         Ok(outputs[&0].iter().map(|[density, ..]| *density).collect())
     }
 
-    /// On which side boxes are: true where all is inside, false where nothing is.
+    /// Classifies boxes: true if completely inside, false if completely outside, `None` if undecided.
     pub fn sides(&self, boxes: &[[DVec3; 2]]) -> Result<Vec<Option<bool>>, ExactError> {
         let interval = |lo, hi| Device(Interval { lo, hi });
         let places = boxes.iter().map(|[low, high]| {
@@ -116,13 +115,13 @@ impl Density<'_> {
     }
 }
 
-/// How much of the soft region has which density, at the first moment of a scene: counts of `places` points, spread evenly
-/// by the sequence of the plastic number (M. Roberts 2018), in `bins` equal parts of the densities above 0, up to 1.
+/// Histogram of the density over the soft region, at the first moment of a scene: `places` points of the plastic number
+/// sequence (M. Roberts 2018), counted in `bins` equal bins of the densities above 0, up to 1.
 ///
-/// Each count is within about sqrt(count) of its part of the region; points without matter are in none.
+/// The error of a count is about its square root; points without matter are not counted.
 ///
 /// # Errors
-/// Those of [`polygonize`](crate::render::polygonize), but for its settings.
+/// As [`polygonize`](crate::render::polygonize), except for its settings.
 pub fn densities(
     library: &Library,
     scene: &Scene,
@@ -133,7 +132,7 @@ pub fn densities(
     let program = DensityProgram::of(library, scene, subject)?;
     let density = program.bound(0.0)?;
     let (low, high) = (program.view.box_min.as_dvec3(), program.view.box_max.as_dvec3());
-    const PLASTIC: f64 = 1.220_744_084_605_759_5; // x^4 = x + 1
+    const PLASTIC: f64 = 1.220_744_084_605_759_5; // root of x^4 = x + 1
     let steps = DVec3::from([1, 2, 3].map(|power| PLASTIC.powi(-power)));
     let all: Vec<DVec3> =
         (0..places).map(|index| low + (high - low) * (0.5 + steps * f64::from(index)).fract()).collect();
@@ -145,25 +144,25 @@ pub fn densities(
     Ok(counts)
 }
 
-/// The density at a place on a ray, and what is known from there to the next place.
+/// Density at a point of a ray, with bounds up to the next point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Along {
-    /// Distance from where the ray begins, object units.
+    /// Distance from the origin of the ray, object units.
     pub depth: f64,
-    /// The density at the place.
+    /// Density at the point.
     pub density: f64,
-    /// Bounds of the density from there to the next place; behind the last one, the density at it.
+    /// Bounds of the density up to the next point; at the last point, its density.
     pub range: [f64; 2],
-    /// Bounds of what the densities of two places from there to the next differ by, divided by their distance, per object
-    /// unit: from minus infinity to infinity where the density may jump.
+    /// Bounds of the density's difference quotient up to the next point, per object unit; infinite where the density
+    /// may jump.
     pub slope: [f64; 2],
 }
 
-/// Noise has its constants in 32 bits, which bounds of it and its values in f64 round differently.
+/// Tolerance for constants of noise in f32, which bounds and f64 round differently.
 const ROUNDED: f64 = 1e-6;
 
 impl Along {
-    /// Makes the range as narrow as the slope says: between two places the density leaves its values there no faster.
+    /// Narrows the range by the slope.
     fn narrowed(self, next: &Along) -> Along {
         let (length, [fall, rise]) = (next.depth - self.depth, self.slope);
         let [from, to] = [self.density, next.density];
@@ -173,7 +172,7 @@ impl Along {
             } else if rise <= 0.0 {
                 to
             } else {
-                // It falls as fast as it may, and then rises as fast.
+                // Steepest fall, then steepest rise.
                 from + fall * ((from - to + length * rise) / (rise - fall)).clamp(0.0, length)
             }
         };
@@ -187,12 +186,12 @@ impl Along {
     }
 }
 
-/// The density of a scene at its first moment along the ray through the middle of a pixel: at `places` equal distances from
-/// where the ray enters the box around the soft region to where it leaves it, and bounds between them, in which noise is taken
-/// to about 1e-6. Empty where the ray misses the box. Of a ray that bends, it is the straight one.
+/// Density profile of a scene at its first moment along the ray through a pixel center: at `places` equidistant points
+/// within the box around the soft region, with bounds between them, in which noise is known to about 1e-6. Empty if the
+/// ray misses the box. Bent rays are replaced by straight ones.
 ///
 /// # Errors
-/// Those of [`polygonize`](crate::render::polygonize), but for its settings.
+/// As [`polygonize`](crate::render::polygonize), except for its settings.
 pub fn density_along(
     library: &Library,
     scene: &Scene,
@@ -238,7 +237,7 @@ pub fn density_along(
         let part = match [index, index + 1].map(|end| kept(&all[end])) {
             [true, true] => Along { range, slope, ..along[index] },
             [false, false] => along[index],
-            // Cut off where the plane is.
+            // The clip plane cuts the segment.
             _ => {
                 let range = [range[0].min(0.0), range[1].max(0.0)];
                 Along { range, slope: [f64::NEG_INFINITY, f64::INFINITY], ..along[index] }

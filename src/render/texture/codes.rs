@@ -1,6 +1,6 @@
-//! Codes of parts in [0, 1].
+//! Integer codes of numbers in [0, 1].
 
-/// The nearest code to a part in \[0, 1\]; others are held. By cutting off, as `round` is a call for each texel.
+/// Nearest code of a number, clamped to \[0, 1\]. Truncates, since `round` is a function call for each texel.
 pub(super) fn code16(part: f32) -> u16 {
     (part * 65535.0 + 0.5) as u16
 }

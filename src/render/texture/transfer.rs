@@ -4,18 +4,18 @@ use super::codes::code16;
 use crate::scene::{Curve, Stop, Transfer};
 use glam::{Vec3, Vec4};
 
-/// Entries of a transfer map on the device. Fewer: steps smear over a visible range of density.
+/// Entries of a transfer map on the device. Lower: steps smear over a visible range of density.
 const TRANSFER_SIZE: usize = 1024;
 
-/// The transfer map as a row of RGBA, 16 bits each: linear color, and density in A. Entry i is for the density
-/// `i / (length - 1)`.
+/// Transfer map as a row of RGBA, 16 bits each: linear color, and density in A. Entry i is for the density `i / (length
+/// - 1)`.
 pub fn transfer_map(transfer: &Transfer) -> Vec<u16> {
     let at = |index: usize| index as f32 / (TRANSFER_SIZE - 1) as f32;
     (0..TRANSFER_SIZE).flat_map(|index| evaluate(transfer, at(index)).to_array().map(code16)).collect()
 }
 
-/// What a device makes of the first texel of a transfer map: of all, where [`Transfer::is_flat`]. The bits are those of
-/// llvmpipe; another device may round the conversion of a code otherwise, by a part in 2^24.
+/// First texel of a transfer map as a device reads it; equals all texels if [`Transfer::is_flat`]. The bits are those
+/// of llvmpipe; other devices may round the conversion differently, by 2^-24.
 pub fn transfer_texel(transfer: &Transfer) -> [f32; 4] {
     evaluate(transfer, 0.0).to_array().map(|value| f32::from(code16(value)) * (1.0 / 65535.0))
 }
@@ -26,8 +26,8 @@ pub fn evaluate(transfer: &Transfer, density: f32) -> Vec4 {
     interpolate(transfer, density, value).clamp(Vec4::ZERO, Vec4::ONE)
 }
 
-/// The index map as a row of RGBA floats: the index of refraction, its slope by density, the number of the layer, 0.
-/// Entry i is for the density `i / (length - 1)`; a layer ends where the index or its slope jumps.
+/// Index map as a row of RGBA floats: index of refraction, its slope by density, number of the layer, 0. Entry i is for
+/// the density `i / (length - 1)`; a layer ends where the index or its slope jumps.
 pub fn index_map(transfer: &Transfer) -> Vec<f32> {
     let at = |entry: usize| entry as f32 / (TRANSFER_SIZE - 1) as f32;
     let layer = |density: f32| ends(transfer).filter(|&end| end <= density).count();
@@ -52,7 +52,7 @@ fn ends(transfer: &Transfer) -> impl Iterator<Item = f32> + '_ {
     jumps.chain(transfer.stops.windows(3).filter(move |three| kinks(three)).map(|three| three[1].at))
 }
 
-/// A value of the stops at a density: what the curve makes of it.
+/// Interpolates a value of the stops by the transfer curve.
 fn interpolate(transfer: &Transfer, density: f32, value: impl Fn(&Stop) -> Vec4) -> Vec4 {
     let stops = &transfer.stops;
     let above = stops.iter().position(|stop| stop.at > density);
@@ -62,7 +62,7 @@ fn interpolate(transfer: &Transfer, density: f32, value: impl Fn(&Stop) -> Vec4)
         None => return stops.last().map(value).unwrap_or_default(),
     };
     if value(&stops[low]) == value(&stops[high]) {
-        return value(&stops[low]); // whatever the roundings of a curve
+        return value(&stops[low]); // exact, without the rounding of a curve
     }
     let t = (density - stops[low].at) / (stops[high].at - stops[low].at);
     match transfer.curve {
@@ -80,8 +80,8 @@ fn interpolate(transfer: &Transfer, density: f32, value: impl Fn(&Stop) -> Vec4)
     }
 }
 
-/// The slope at a stop that keeps the cubic monotone: the harmonic mean of its two sides, 0 at a turn or an end
-/// (Fritsch and Butland 1984).
+/// Slope at a stop that keeps the cubic monotone: the harmonic mean of both sides, 0 at a turn or an end (Fritsch and
+/// Butland 1984).
 fn tangent(stops: &[Stop], index: usize, value: impl Fn(&Stop) -> Vec4) -> Vec4 {
     if index == 0 || index + 1 == stops.len() {
         return Vec4::ZERO;

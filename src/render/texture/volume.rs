@@ -1,16 +1,15 @@
-//! Texels: what the device samples.
+//! Volume texels of a distance field.
 //!
-//! Role: encodes a distance field into the bytes of an image. Invariant: `distance` is positive
-//! outside everywhere in the crate, and only the *stored* texel grows inward, in [0, 1]; [`encode`] is the one encoder,
-//! and the two numbers of [`Texels::decode`] are all that the one decoder in GLSL needs.
-//! Source: MJ 3.1 (gradient normal in RGB, density in A, at most 16 bits).
+//! Invariant: `distance` is positive outside everywhere in the crate, and only the *stored* texel grows inward, in [0,
+//! 1]. [`encode`] is the only encoder, and [`Texels::decode`] parameterizes the only decoder in GLSL. Source: MJ 3.1
+//! (gradient normal in RGB, density in A, at most 16 bits).
 
 use super::codes::{code8, code16};
 use crate::field::{ClosestPoints, DistanceField};
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// How a distance field is stored.
+/// Texel format of a distance field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
     /// Normal and distance, 4 x 16 bits.
@@ -23,23 +22,23 @@ pub enum Encoding {
     Distance32,
 }
 
-/// A distance field ready for the device.
+/// An encoded distance field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texels {
     /// Texels per axis.
     pub size: [u32; 3],
-    /// How they hold what they hold.
+    /// Texel format.
     pub encoding: Encoding,
     /// Texels, x fastest, then y, then z.
     pub bytes: Vec<u8>,
-    /// The signed distance of a stored value s is `decode[0] + decode[1] * s`, in the units of the field.
+    /// The signed distance of a stored value s is `decode[0] + decode[1] * s`, in units of the field.
     pub decode: [f32; 2],
-    /// Largest error of a stored distance inside the range that is stored, in the units of the field.
+    /// Largest error of a stored distance within the stored range, in units of the field.
     pub quantization: f32,
 }
 
 impl Texels {
-    /// The channels of a texel as a program reads them; those that it has not are 0.
+    /// Channels of a texel as a program reads them; missing channels are 0.
     pub fn channels(&self, number: usize) -> [f32; 4] {
         let texels: usize = self.size.iter().map(|side| *side as usize).product();
         let bytes = self.bytes.len() / texels;
@@ -55,10 +54,10 @@ impl Texels {
     }
 }
 
-/// Encodes a field. Distances beyond `range` (lowest, highest; units of the field) are held at its ends.
+/// Encodes a field. Clamps distances to `range` (lowest, highest; units of the field).
 ///
-/// The normal is the gradient of the field by central differences, unit length, each component c stored as
-/// `0.5 + 0.5 c`; it is 0 where the gradient is.
+/// The normal is the normalized gradient by central differences, each component c stored as `0.5 + 0.5 c`; 0 where the
+/// gradient is 0.
 pub fn encode(field: &DistanceField, encoding: Encoding, range: [f32; 2]) -> Texels {
     let (lowest, highest) = field.range();
     let low = range[0].max(lowest);
@@ -77,7 +76,7 @@ pub fn encode(field: &DistanceField, encoding: Encoding, range: [f32; 2]) -> Tex
         let values = &field.values[row * nx..][..nx];
         let gradients = || field.gradients((row % ny) as u32, (row / ny) as u32);
         arch.dispatch(
-            #[inline(always)] // into code for the vectors of this processor
+            #[inline(always)] // inlined into code for the vector units of this processor
             || match encoding {
                 Encoding::Distance32 => fill(out, values.iter().map(|value| stored(*value).to_ne_bytes())),
                 Encoding::Distance16 => fill(out, values.iter().map(|value| code16(stored(*value)).to_ne_bytes())),
@@ -98,14 +97,14 @@ pub fn encode(field: &DistanceField, encoding: Encoding, range: [f32; 2]) -> Tex
     Texels { size: field.grid.size, encoding, bytes, decode: [high, low - high], quantization }
 }
 
-/// The way from every sample of a field to the closest point of its level `iso`, as RGBA, 16 bits each, A unused: a
-/// component c, in the units of the field, is stored as `0.5 + 0.5 c / range`. Returns the bytes and the range.
+/// Offset from every sample of a field to the closest point of its level `iso`, as RGBA, 16 bits each, A unused: a
+/// component c, in units of the field, is stored as `0.5 + 0.5 c / range`. Returns the bytes and the range.
 ///
-/// The level is reached from the closest point of the surface straight on, which is exact on the side of the surface
-/// that the level is on as far as its medial axis. Quantization: `range / 65535` for each component.
+/// Moves the closest point of the surface along the normal, which is exact on the level's side of the surface up to the
+/// medial axis. Quantization: `range / 65535` for each component.
 pub fn encode_closest(closest: &ClosestPoints, field: &DistanceField, iso: f32) -> (Vec<u8>, f32) {
     let [nx, ny, _] = closest.grid.size;
-    // Squares of tiny lengths leave f32; a power of two rounds nothing.
+    // Squares of tiny lengths underflow f32; scaling by a power of two is exact.
     let handy = (-closest.grid.spacing.max_element().log2().floor()).exp2();
     let way = |index: usize| {
         let at = [index as u32 % nx, index as u32 / nx % ny, index as u32 / (nx * ny)];
@@ -130,7 +129,7 @@ pub fn encode_closest(closest: &ClosestPoints, field: &DistanceField, iso: f32) 
     (bytes, range)
 }
 
-/// The normals of a row of gradients as they are stored, component by component: `0.5 + 0.5 c`, and 0.5 where there is none.
+/// Encoded normals of a row of gradients, component by component: `0.5 + 0.5 c`, and 0.5 for a gradient of 0.
 #[inline(always)]
 fn normal_parts([mut x, mut y, mut z]: [Vec<f32>; 3]) -> [Vec<f32>; 3] {
     for ((x, y), z) in x.iter_mut().zip(&mut y).zip(&mut z) {
@@ -139,7 +138,7 @@ fn normal_parts([mut x, mut y, mut z]: [Vec<f32>; 3]) -> [Vec<f32>; 3] {
     [x, y, z]
 }
 
-/// Texels one after the other.
+/// Writes consecutive texels.
 #[inline(always)]
 fn fill<const BYTES: usize>(out: &mut [u8], texels: impl Iterator<Item = [u8; BYTES]>) {
     for (out, texel) in out.as_chunks_mut::<BYTES>().0.iter_mut().zip(texels) {
@@ -196,7 +195,7 @@ mod tests {
         let (field, points, _) = of(1.0);
         let expected = encode(&field, Encoding::Normals16, [-0.5, 0.125]);
         let (ways, range) = encode_closest(&points, &field, 0.125);
-        // By powers of two, which round nothing: 8.9e-16 to 1.1e15.
+        // Powers of two are exact: 8.9e-16 to 1.1e15.
         for scale in [-50, -20, 20, 50].map(|power: i16| f32::from(power).exp2()) {
             let (field, points, _) = of(scale);
             let texels = encode(&field, Encoding::Normals16, [-0.5 * scale, 0.125 * scale]);
@@ -259,7 +258,7 @@ mod tests {
     fn p55_stored_ways_lead_to_the_level() {
         let grid = Grid { size: [21; 3], origin: Vec3::splat(-1.0), spacing: Vec3::splat(0.1) };
         let place = |i: usize| grid.position(i as u32 % 21, i as u32 / 21 % 21, i as u32 / 441);
-        // Two planes that face each other, at y = -0.53 and y = 0.53; the middle between them is their medial axis.
+        // Two parallel planes, at y = -0.53 and y = 0.53; the middle between them is their medial axis.
         let values = (0..9261).map(|i| 0.53 - place(i).y.abs()).collect();
         let side = |p: Vec3| if p.y > -0.05 { 1.0 } else { -1.0 };
         let foot = |p: Vec3| Vec3::new(p.x, 0.53 * side(p), p.z);
