@@ -1,4 +1,4 @@
-//! What a picture is made with, in words.
+//! Description of a picture's inputs in words.
 
 use super::warnings::warnings;
 use crate::render::error::RenderError;
@@ -9,8 +9,7 @@ use crate::scene::Scene;
 use crate::shader::Library;
 use crate::shader::library::ZERO;
 
-/// A line for each thing that a picture is made with or that its scene leaves out, and for each doubt: what it is about, and
-/// what there is.
+/// Lines on the inputs of a picture, on omitted parts and on warnings: pairs of a topic and a text.
 ///
 /// # Errors
 /// The scene has no program.
@@ -43,7 +42,7 @@ pub fn describe_frame(
     Ok(lines)
 }
 
-/// What is said of octaves that a scene asks for in vain.
+/// Notes the octaves that a scene requests beyond their limit.
 pub fn octaves_held(m: &Measurements, scene: &Scene, library: &Library) -> Option<String> {
     let [held, asked] = m.octaves.filter(|[held, asked]| held < asked)?;
     Some(format!("{held} of {asked}: {}", scene.octaves_limit(library)))

@@ -1,9 +1,8 @@
-//! Fields of a scene that change nothing in its picture.
+//! Settings of a scene that do not change its picture.
 //!
-//! Role: a scene, and the one that it was made of -> the fields that were set and might as well not be. Invariant: no list
-//! of names says which. Two pictures are the same where all that they are computed from is: what the linked program does,
-//! the values and images that it reads after all that is dead is gone, and how it is drawn. What only makes a picture
-//! sooner is not named.
+//! Invariant: no list of names decides. Two pictures are equal if all their inputs are: the linked program without dead
+//! code, the values and images that it reads, and the state of drawing. Settings that only affect the time are not
+//! listed.
 
 use crate::eval::{self, Outline};
 use crate::field::Key;
@@ -24,18 +23,18 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::rc::Rc;
 
-/// Fields that say something about a scene, or always do something.
+/// Prefixes of metadata, and of settings that always have an effect.
 const BESIDE: [&str; 6] = ["about", "preset", "modules.", "image.", "quality.samples", "object.input"];
-/// The tables of settings that are looked at for what is idle.
+/// Tables of settings to test.
 const LOOKED_AT: [&str; 5] = ["object", "effect", "material", "light", "camera"];
-/// What the vertices of slices are placed by.
+/// Values that place the vertices of slices.
 const VERTEX_VALUES: [&str; 7] =
     ["projection", "texture_matrix", "object_matrix", "display_matrix", "box_min", "box_max", "box_margin"];
 
-/// The fields in which `scene` differs from `base`, as `name = value`, that change no bit of its picture: without any one
-/// of them it is the same. `subject` is that of the scene.
+/// Fields in which `scene` differs from `base`, as `name = value`, that change no bit of its picture when reset one at
+/// a time. `subject` is that of the scene.
 ///
-/// A scene that has no program has no such fields, and what cannot be decided is none.
+/// Empty if the scene does not link; undecidable fields are not listed.
 pub fn unused_overrides(library: &Library, subject: &Subject, base: &Scene, scene: &Scene) -> Vec<String> {
     let mut judge = PictureComparer::new(library, subject);
     let before: HashMap<String, String> =
@@ -56,10 +55,10 @@ pub fn unused_overrides(library: &Library, subject: &Subject, base: &Scene, scen
     set.iter().filter(changes_nothing).map(|(name, value)| format!("{name} = {value}")).collect()
 }
 
-/// The settings of a scene that change no bit of its picture, whatever they are: what its programs do not read. Of a number,
-/// the ends of its usual range are tried, of a choice all that the scene allows without the parameters of modules that are
-/// gone; a value that chooses another program is taken to change the picture. Settings of how it is drawn (`quality`, `image`) are never named, nor is text. `is_over` ends
-/// it early, with none.
+/// Settings of a scene whose value changes no bit of its picture, since its programs do not read them. Tries the ends
+/// of a number's usual range, and all valid choices without parameters of absent modules. A value that selects another
+/// program counts as a change. Never lists texts, `quality` or `image`. Returns an empty list when `is_over` returns
+/// true.
 pub fn unused_settings(library: &Library, subject: &Subject, scene: &Scene, is_over: &dyn Fn() -> bool) -> Vec<String> {
     let mut judge = PictureComparer::new(library, subject);
     let (Ok(variant), Ok(own)) = (Variant::of(scene, library), judge.essence(scene)) else { return Vec::new() };
@@ -86,7 +85,8 @@ pub fn unused_settings(library: &Library, subject: &Subject, scene: &Scene, is_o
                 Variant::of(other, library).is_ok_and(|of| of.key() == variant.key() && of.entries == variant.entries);
             same_program && judge.same_picture(scene, own, other)
         };
-        // Where the scene refuses every other value, a module that the program does not reach is not read, and all else is.
+        // Without a valid alternative, a module is unused if the program does not reach its slot; other settings are
+        // used.
         let is_idle = match others.as_slice() {
             [] => matches!(setting.kind, Kind::Module(_)) && !variant.reads(setting.field()),
             others => others.iter().all(changes_nothing),
@@ -98,14 +98,14 @@ pub fn unused_settings(library: &Library, subject: &Subject, scene: &Scene, is_o
     idle
 }
 
-/// Whether scenes of one subject all have the same picture.
+/// Whether scenes of one subject all have equal pictures.
 pub fn same_pictures(library: &Library, subject: &Subject, mut scenes: impl Iterator<Item = Scene>) -> bool {
     let mut judge = PictureComparer::new(library, subject);
     let first = scenes.next().and_then(|first| Some((judge.essence(&first).ok()?, first)));
     first.is_some_and(|(own, first)| scenes.all(|other| judge.same_picture(&first, own, &other)))
 }
 
-/// What else a setting may be, as a scene file has it.
+/// Alternative values of a setting, in the syntax of scene files.
 fn others(library: &Library, setting: &Setting, value: &str) -> Vec<String> {
     let quoted = |name: &str| format!("{name:?}");
     let many = |count: usize, number: f32| format!("[{}]", vec![number.to_string(); count].join(", "));
@@ -126,16 +126,16 @@ fn others(library: &Library, setting: &Setting, value: &str) -> Vec<String> {
     others
 }
 
-/// What programs do, each linked once, and the shapes of objects, each read once.
+/// Caches of linked programs and of shapes, for comparisons.
 struct PictureComparer<'a> {
     library: &'a Library,
     subject: &'a Subject,
     programs: HashMap<(String, u32), Rc<Read>>,
-    /// By all that a shape is read by: its input, its grid, and whether its values are distances.
+    /// By all that determines a shape: its input, its grid, and whether its values are distances.
     shapes: HashMap<(String, Option<String>, bool), Rc<Shape>>,
 }
 
-/// A program, and what it does, where the evaluator covers it.
+/// A program, and its fingerprint if the evaluator covers it.
 struct Read {
     program: Program,
     outline: Option<(eval::Program, Outline)>,
@@ -146,13 +146,13 @@ impl<'a> PictureComparer<'a> {
         PictureComparer { library, subject, programs: HashMap::new(), shapes: HashMap::new() }
     }
 
-    /// Whether another scene has the picture of a scene, whose essence is `own`. What cannot be decided has another.
+    /// Whether another scene has an equal picture; `own` is the fingerprint of the first. Undecidable pictures differ.
     fn same_picture(&mut self, scene: &Scene, own: Hash, other: &Scene) -> bool {
         let same = self.same_subject(scene, other).and_then(|same| Ok(same && self.essence(other)? == own));
         same.unwrap_or(false)
     }
 
-    /// Whether two scenes have the same objects: what their fields are computed from is equal.
+    /// Whether two scenes have equal objects.
     fn same_subject(&mut self, scene: &Scene, other: &Scene) -> Result<bool, RenderError> {
         let wanted = |scene| Ok::<_, RenderError>(SubjectRequest::all(scene, &Variant::of(scene, self.library)?));
         let (own, others) = (wanted(scene)?, wanted(other)?);
@@ -180,7 +180,7 @@ impl<'a> PictureComparer<'a> {
         Ok(placed == other && key(&shape, &recipe) == key(&other_shape, &other))
     }
 
-    /// The shape of an object, and what is made of it.
+    /// Shape and field recipe of an object.
     fn recipe(&mut self, wanted: &SubjectRequest) -> Result<(Rc<Shape>, Recipe), RenderError> {
         let Object { input, grid, distance, .. } = &wanted.object;
         let shape = match self.shapes.entry((input.clone(), grid.clone(), *distance)) {
@@ -191,17 +191,17 @@ impl<'a> PictureComparer<'a> {
         Ok((shape, recipe))
     }
 
-    /// All that the pictures of a scene are computed from.
+    /// Hash of all that the pictures of a scene are computed from.
     fn essence(&mut self, scene: &Scene) -> Result<Hash, RenderError> {
         let mut variant = Variant::of(scene, self.library)?;
         let mut scene = scene.clone();
         if variant.module("classify").is_some_and(|module| module.starts_with("surface")) {
-            // Of matter that is opaque or none the nearest is seen, in any order and alone.
+            // Of opaque matter only the nearest sample is seen, in any order.
             (scene.quality.order, scene.quality.early_termination) = (Order::default(), 0.0);
         }
         let scene = &scene;
         let mut read = self.read(scene, &variant)?;
-        // What neither is a block nor repeats as one has no border.
+        // The border mode only matters for blocks and for noise with a period.
         if !read.program.reads("block_sampler")
             && variant.periods.iter().all(|period| *period == Period::ENDLESS)
             && let Some(wrap) = variant.slots.get_mut("wrap")
@@ -217,7 +217,7 @@ impl<'a> PictureComparer<'a> {
         let mut add = |what: String| {
             all.update(what.as_bytes());
         };
-        // Each setting is added here, or acts by the program, its values and its images alone.
+        // Exhaustive pattern: every setting is hashed here, or acts through the program, its values and its images.
         let Quality {
             pass,
             target,
@@ -290,7 +290,8 @@ impl<'a> PictureComparer<'a> {
                     Some((outline, Ok(values))) => format!("{} {values:?}", outline.hash),
                     _ => format!("{:?} {} {blocks:?}", read.program.fragment, scene.effect.octaves),
                 };
-                // Shadows are cast once, or for each moment; from equal values they are the same.
+                // Shadows are cast once for a resting scene, else for each sub-frame whose values differ from the
+                // previous.
                 if !casts || drawn != before {
                     add(drawn.clone());
                 }

@@ -1,4 +1,4 @@
-//! What a scene says and its user may not mean: the picture is right, and a line tells what it is a picture of.
+//! Warnings: settings that render correctly but are probably a mistake.
 
 use crate::render::measurements::Measurements;
 use crate::render::subject::Subject;
@@ -7,14 +7,14 @@ use crate::scene::{Pass, Scene, TargetFormat};
 use crate::shader::Library;
 use crate::shape::{self, Shape, Solid};
 
-/// Less opacity than this cannot be seen: half a code of 8 bits.
+/// Invisible opacity: half a code of 8 bits.
 const UNSEEN: f32 = 1.0 / 510.0;
-/// A core that is as dense as this is dense enough: samples meet no deepest place exactly.
+/// Sufficient density of a core; samples do not hit the exact deepest place.
 const CORE: f32 = 0.75;
-/// Part of a voxel by which a stored distance may be off before its normals show steps: 8 bits over four voxels to each side.
+/// Quantization of a distance that shows in normals, in voxels: 8 bits over four voxels to each side.
 const TERRACE: f32 = 0.016;
 
-/// A line for each.
+/// Warnings on a picture, one line each.
 ///
 /// # Errors
 /// The scene has no program.
@@ -39,7 +39,7 @@ pub fn warnings(
     Ok(all.into_iter().flatten().collect())
 }
 
-/// A soft region without width.
+/// The soft region has no width.
 fn no_width(scene: &Scene, outer: f32) -> Option<String> {
     let inner = scene.object.inner_iso;
     (inner == outer).then(|| {
@@ -47,11 +47,11 @@ fn no_width(scene: &Scene, outer: f32) -> Option<String> {
     })
 }
 
-/// Matter that is nowhere as dense as it may be.
+/// The density nowhere reaches its maximum.
 fn no_core(scene: &Scene, outer: f32, subject: &Subject) -> Option<String> {
     let deepest = match &subject.field {
         Some(field) => field.range().0,
-        // Only formulas have no field: no file is read here.
+        // Only formulas have no field, so no file is read.
         None => match shape::open(&scene.object.input).ok()? {
             Shape::Solid(Solid::Sphere { radius }) => -radius,
             Shape::Solid(Solid::Cube { half }) => -half,
@@ -68,7 +68,7 @@ fn no_core(scene: &Scene, outer: f32, subject: &Subject) -> Option<String> {
     })
 }
 
-/// Thin matter that a target has no bits for.
+/// The target has too few bits for thin matter.
 fn lost_in_target(m: &Measurements, scene: &Scene) -> Option<String> {
     let (unit, name) = match scene.quality.target {
         TargetFormat::Float32 => return None,
@@ -84,7 +84,7 @@ fn lost_in_target(m: &Measurements, scene: &Scene) -> Option<String> {
     })
 }
 
-/// Distances in so few bits that normals show them.
+/// Normals show the quantization of distances.
 fn terraces(m: &Measurements, subject: &Subject) -> Option<String> {
     let voxel = subject.scale * subject.field.as_ref()?.grid.spacing.min_element();
     (m.quantization > TERRACE * voxel).then(|| {
@@ -95,7 +95,7 @@ fn terraces(m: &Measurements, subject: &Subject) -> Option<String> {
     })
 }
 
-/// A surface of a scan that nobody has chosen.
+/// The iso-value of a scan was chosen automatically.
 fn proposed_iso(subject: &Subject) -> Option<String> {
     let parts = subject.parts.iter().filter_map(|(name, part)| Some(format!("{name} of {}", part.proposed_iso?)));
     let own = subject.proposed_iso.map(|iso| iso.to_string());
@@ -105,7 +105,7 @@ fn proposed_iso(subject: &Subject) -> Option<String> {
     })
 }
 
-/// A shell that falls between samples.
+/// The shell is thinner than the sampling distance.
 fn thin_shell(scene: &Scene, subject: &Subject) -> Option<String> {
     let (shell, voxel) = (scene.object.shell, subject.scale * subject.field.as_ref()?.grid.spacing.max_element());
     (shell > 0.0 && shell < 2.0 * voxel).then(|| {
@@ -117,7 +117,7 @@ fn thin_shell(scene: &Scene, subject: &Subject) -> Option<String> {
     })
 }
 
-/// An inside that nobody has said.
+/// The mesh is open, so inside and outside are a guess.
 fn guessed_sign(scene: &Scene, subject: &Subject) -> Option<String> {
     let report = subject.report.as_ref()?;
     (report.open_edges > 0 && scene.object.shell == 0.0).then(|| {

@@ -1,4 +1,4 @@
-//! What the next scene of a host needs, made while the host draws something else.
+//! Preparation of a host's next scene, while the host draws something else.
 
 use super::prepared::{Destination, Prepared, Reusable};
 use crate::gpu::Gpu;
@@ -10,17 +10,17 @@ use crate::scene::Scene;
 use crate::shader::Library;
 use std::thread::{self, JoinHandle};
 
-/// What pictures of a scene need that goes into a host's images, being made by a thread that submits nothing.
+/// Preparation of a scene for a host's images, on a thread that submits nothing.
 pub(crate) struct BackgroundPrepare {
     scene: Scene,
     variant: Variant,
     destination: Destination,
-    /// Until it is taken.
+    /// Running until taken.
     thread: Option<JoinHandle<Result<Prepared, RenderError>>>,
 }
 
 impl BackgroundPrepare {
-    /// Begins, with what is `made` already.
+    /// Starts the preparation, with reusable parts.
     pub(crate) fn new(
         (gpu, library, subject): (Gpu, Library, Subject),
         (scene, variant, destination): (Scene, Variant, Destination),
@@ -34,12 +34,12 @@ impl BackgroundPrepare {
         BackgroundPrepare { scene, variant, destination, thread: Some(thread::spawn(make)) }
     }
 
-    /// Whether it is made, or has failed.
+    /// Whether the preparation is finished, or has failed.
     pub(crate) fn is_made(&self) -> bool {
         self.thread.as_ref().is_none_or(JoinHandle::is_finished)
     }
 
-    /// Whether it is for a scene as it was when this began, of any size.
+    /// Whether the result serves a scene, of any size.
     pub(crate) fn serves(&self, scene: &Scene, variant: &Variant, destination: Destination) -> bool {
         let mut alike = scene.clone();
         alike.image.size = self.scene.image.size;
@@ -47,7 +47,7 @@ impl BackgroundPrepare {
         self.destination.serves(destination) && (&alike, variant) == (&self.scene, &self.variant)
     }
 
-    /// What was made; waits for it.
+    /// Waits for the result.
     pub(crate) fn made(mut self) -> Result<Prepared, RenderError> {
         match self.thread.take().map(JoinHandle::join) {
             Some(Ok(made)) => made,
@@ -58,7 +58,7 @@ impl BackgroundPrepare {
 }
 
 impl Drop for BackgroundPrepare {
-    /// Waits: what is made is made from a device that may be the host's, and must be gone before that.
+    /// Waits for the thread, since the prepared objects must be dropped before the host's device.
     fn drop(&mut self) {
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();

@@ -1,4 +1,4 @@
-//! What a program reads, on the device: blocks written, images uploaded.
+//! Inputs of a program on the device: uniform buffers, images and samplers.
 
 use crate::gpu::{self, Buffer, BufferUse, Gpu, Image, Sampler, Uploads};
 use crate::render::camera::{FrameContext, SubFrame};
@@ -11,31 +11,31 @@ use crate::scene::Scene;
 use crate::shader::Library;
 use std::sync::Arc;
 
-/// The resources of one program.
+/// Bound resources of one program.
 pub(crate) struct BoundInputs {
     blocks: Vec<(u32, Arc<Buffer>)>,
     images: Vec<(u32, Arc<Image>)>,
     samplers: Vec<(u32, Arc<Sampler>)>,
     sparse: Option<Sparse>,
-    /// Whether an image depends on parameters of modules.
+    /// Whether an image depends on module parameters.
     pub(crate) holds_parameters: bool,
     stored: StoredObjects,
-    /// Images whose texels are not copied yet.
+    /// Images whose texels are still to be copied.
     pub(crate) uploads: Uploads,
-    /// What decides which cells are empty, where the program reads that.
+    /// Empty cells, if the program or its slices use them.
     cells: Option<EmptyCells>,
-    /// The same for pictures that are recorded for a host.
+    /// Empty cells of recorded pictures.
     beside: BackgroundCells,
-    /// One cell, which may hold matter, where the program reads cells.
+    /// Grid of a single non-empty cell, if the program reads cells.
     open: Option<Arc<Image>>,
-    /// What was written into the blocks last.
+    /// Latest values of the blocks.
     values: Values,
 }
 
 impl BoundInputs {
-    /// Everything that a program reads, but for the shadow volume and the cells, which are made with the picture: see
-    /// [`BoundInputs::replace`]. Cells are found where the program reads them, or where its slices may be cut to tiles. Images
-    /// of pictures that are recorded for a host wait to be copied.
+    /// Uploads all images of a program except the shadow volume and the cells, which are rendered with the picture: see
+    /// [`BoundInputs::replace`]. `is_cut` asks for cells for the tiles of slices. Images of recorded pictures are
+    /// queued only.
     pub(crate) fn new(
         gpu: &Gpu,
         library: &Library,
@@ -48,7 +48,7 @@ impl BoundInputs {
         let upload = |(binding, image): &(u32, Encoded)| {
             let own = uploads.image(gpu, image.name, image.dimension, image.format, image.bytes())?;
             if !is_recorded {
-                uploads.submit(gpu)?; // one by one: the texels are there twice until they are copied
+                uploads.submit(gpu)?; // one by one: the texels exist twice until they are copied
             }
             Ok((*binding, own))
         };
@@ -71,7 +71,7 @@ impl BoundInputs {
         })
     }
 
-    /// Makes the blocks of a picture, and its cells; ends where it is to `stop`.
+    /// Fills the blocks of a picture and proves its cells, unless told to `stop`.
     pub(crate) fn fill(
         &mut self,
         gpu: &Gpu,
@@ -91,7 +91,7 @@ impl BoundInputs {
         Ok(self.uploads.submit(gpu)?)
     }
 
-    /// The same for a picture that is recorded for a host: it waits for nothing, and has the cells that are found so far.
+    /// Fills the blocks of a recorded picture without waiting; binds the cells proven so far.
     pub(crate) fn fill_recorded(
         &mut self,
         gpu: &Gpu,
@@ -109,7 +109,7 @@ impl BoundInputs {
         Ok(())
     }
 
-    /// Binds the cells of a picture, or the one that may hold matter.
+    /// Binds the cells of a picture, or the single non-empty one.
     fn set_cells(&mut self, program: &Program, own: Option<Arc<Image>>) {
         if let Some(image) = own.or_else(|| self.open.clone()) {
             self.replace(program, CELLS, image);
@@ -128,23 +128,23 @@ impl BoundInputs {
         Ok(())
     }
 
-    /// Whether the cells of a picture can be found at once.
+    /// Whether the cells of a picture are available at once.
     pub(crate) fn is_ready(&self, gpu: &Gpu, shot: &FrameContext<'_>) -> bool {
         self.cells.as_ref().is_none_or(|cells| cells.are_decided(gpu, shot))
     }
 
-    /// The tiles that slices of the picture are drawn in, within areas of it.
+    /// Tiles of the picture's slices, within some areas.
     pub(crate) fn tiles(&self, shot: &FrameContext<'_>, within: &[gpu::Area]) -> Tiles {
         self.cells.as_ref().map_or_else(|| Tiles::everywhere(within), |cells| cells.tiles(shot, within))
     }
 
-    /// Whether cells are there for the next picture that is recorded, and the part of the last ones that is empty.
+    /// Whether the next recorded picture has cells, and the empty share of the latest.
     #[cfg(test)]
     pub(crate) fn recorded_cells(&self) -> (bool, f32) {
         self.beside.found()
     }
 
-    /// What was found of the cells of the picture.
+    /// Statistics of the picture's cells.
     pub(crate) fn cells(&self) -> Option<CellStats> {
         self.cells.as_ref().and_then(EmptyCells::found)
     }
@@ -154,12 +154,12 @@ impl BoundInputs {
         self.stored.quantization()
     }
 
-    /// What the bricks of a volume save.
+    /// Memory saved by bricks.
     pub(crate) fn sparse(&self) -> Option<Sparse> {
         self.sparse
     }
 
-    /// Puts an image that is made with the picture among the others, in place of the one before.
+    /// Binds an image that is rendered with the picture in place of the previous one.
     pub(crate) fn replace(&mut self, program: &Program, name: &str, image: Arc<Image>) {
         if let Some(found) = program.resources.iter().find(|resource| resource.name == name) {
             self.images.retain(|(binding, _)| *binding != found.binding);
@@ -167,24 +167,24 @@ impl BoundInputs {
         }
     }
 
-    /// The blocks of another program that reads no value which this one does not have, as they were filled last.
+    /// Latest blocks of another program, which must not read further values.
     pub(crate) fn blocks_of(&self, program: &Program) -> Result<Vec<(Resource, Vec<u8>)>, RenderError> {
         blocks(program, &self.values)
     }
 
-    /// The images that decide what another program gives: not the cells, which leave out what gives nothing.
+    /// Images that determine the results of another program. Cells do not: they only skip empty space.
     pub(crate) fn images_of(&self, program: &Program) -> Vec<Arc<Image>> {
         let decides = |own: &Resource, number: u32| own.binding == number && own.name != CELLS;
         let is_read = |(number, _): &&(u32, _)| program.resources.iter().any(|own| decides(own, *number));
         self.images.iter().filter(is_read).map(|(_, image)| image.clone()).collect()
     }
 
-    /// The resources by binding.
+    /// Resources by binding.
     pub(crate) fn resources(&self) -> Vec<(u32, gpu::Resource)> {
         self.with(&self.blocks)
     }
 
-    /// The images and samplers by binding, with blocks of another program.
+    /// Images and samplers by binding, with the blocks of another program.
     pub(crate) fn with(&self, blocks: &[(u32, Arc<Buffer>)]) -> Vec<(u32, gpu::Resource)> {
         let blocks = blocks.iter().map(|(binding, block)| (*binding, gpu::Resource::Uniform(block.clone())));
         let images = self.images.iter().map(|(binding, image)| (*binding, gpu::Resource::Image(image.clone())));
@@ -192,7 +192,7 @@ impl BoundInputs {
         blocks.chain(images).chain(samplers).collect()
     }
 
-    /// What the images are.
+    /// Descriptions of the images.
     pub(crate) fn images(&self) -> Vec<ImageInfo> {
         self.images.iter().map(|(_, image)| read(image)).collect()
     }
@@ -203,7 +203,7 @@ impl BoundInputs {
     }
 }
 
-/// Filled blocks on the device, by binding.
+/// Uploads filled blocks, by binding.
 pub(crate) fn buffers(gpu: &Gpu, blocks: &[(Resource, Vec<u8>)]) -> Result<Vec<(u32, Arc<Buffer>)>, RenderError> {
     let buffer = |(resource, bytes): &(Resource, Vec<u8>)| {
         Ok((resource.binding, Arc::new(Buffer::new(gpu, &resource.name, BufferUse::Uniform, bytes)?)))
@@ -211,20 +211,20 @@ pub(crate) fn buffers(gpu: &Gpu, blocks: &[(Resource, Vec<u8>)]) -> Result<Vec<(
     blocks.iter().map(buffer).collect()
 }
 
-/// What the image of a name is, among those of a program.
+/// Description of the image of a binding.
 fn image_of(program: &Program, images: &[(u32, Arc<Image>)], name: &str) -> Option<ImageInfo> {
     let binding = program.resources.iter().find(|resource| resource.name == name)?.binding;
     images.iter().find(|(own, _)| *own == binding).map(|(_, image)| read(image))
 }
 
-/// What an image is.
+/// Description of an image.
 fn read(image: &Image) -> ImageInfo {
     let channels = image.format().channels();
     let bits = 8 * image.format().bytes() as u32 / channels;
     ImageInfo { name: image.name().into(), size: image.size(), channels, bits, bytes: image.bytes() }
 }
 
-/// The pipeline of a program with the octaves of a scene, for targets of a format with so many samples.
+/// Compiles the pipeline of a program with the octaves of a scene.
 pub(crate) fn pipeline(
     gpu: &Gpu,
     program: &Program,
@@ -250,7 +250,6 @@ pub(crate) fn pipeline(
     gpu::Pipeline::new(gpu, &description)
 }
 
-/// The layout entry of a resource.
 fn binding(resource: &Resource) -> gpu::Binding {
     let kind = match resource.holds {
         Use::Block(_) => gpu::BindingKind::Uniform,

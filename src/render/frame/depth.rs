@@ -1,7 +1,7 @@
-//! The depth of a picture, by which a host or a compositor puts it among what else it draws.
+//! Depth of a picture, for compositing with other content.
 //!
-//! Role: a scene -> for each pixel, how far along the axis of view its ray has met half of what would be opaque. Invariant:
-//! rays take the samples of the picture, which those of slices are too, and no program of a picture knows of it.
+//! Role: for each pixel, the depth along the axis of view at which the opacity along the ray reaches 1/2. Invariant:
+//! rays take the samples of the picture, rays or slices, and no program of a picture depends on it.
 
 use super::bind::BoundInputs;
 use super::submission_budget::{SubmissionBudget, SubmissionControl};
@@ -14,7 +14,7 @@ use crate::scene::{Pass, RayPath, Scene};
 use crate::shader::{Library, Linker};
 use std::sync::Arc;
 
-/// Program and pipeline of the depth of a scene's pictures, made once.
+/// Program and pipeline of a scene's depth.
 #[derive(Clone)]
 pub(crate) struct Depth {
     program: Program,
@@ -22,7 +22,7 @@ pub(crate) struct Depth {
     pace: SubmissionBudget,
 }
 
-/// Checks, before any work is done, that the pictures of a scene have a depth.
+/// Checks cheaply that the pictures of a scene have a depth.
 ///
 /// # Errors
 /// [`RenderError::Depth`]; or the scene has more samples than rays may take.
@@ -30,7 +30,7 @@ pub fn check_depth(scene: &Scene, library: &Library) -> Result<(), RenderError> 
     by_rays(scene, library).map(drop)
 }
 
-/// A scene with one straight ray for each pixel, whose depth is that of the scene.
+/// The scene with one straight ray for each pixel.
 ///
 /// # Errors
 /// As [`check_depth`].
@@ -49,7 +49,7 @@ pub(crate) fn by_rays(scene: &Scene, library: &Library) -> Result<Scene, RenderE
 }
 
 impl Depth {
-    /// Links and compiles it, unless `made`, of a scene with as many octaves, serves.
+    /// Links and compiles the program, unless `made` serves, which belongs to a scene with as many octaves.
     pub(crate) fn new(
         gpu: &Gpu,
         library: &Library,
@@ -67,13 +67,13 @@ impl Depth {
         Ok(Depth { program, pipeline: Arc::new(pipeline), pace: SubmissionBudget::default() })
     }
 
-    /// Binds the images of the picture and the values filled last.
+    /// Binds the images and latest values of the picture.
     pub(crate) fn bind(&self, gpu: &Gpu, bound: &BoundInputs) -> Result<BindSet, RenderError> {
         let blocks = bind::buffers(gpu, &bound.blocks_of(&self.program)?)?;
         Ok(self.pipeline.bind(&bound.with(&blocks))?)
     }
 
-    /// Draws it: object units, row by row from the top. It ends where it is to `stop`, after so many milliseconds.
+    /// Draws the depth, object units, row by row from the top. `stop` receives the milliseconds on the device.
     pub(crate) fn draw(
         &mut self,
         gpu: &Gpu,

@@ -1,8 +1,8 @@
-//! The early end of slices: pixels that no slice behind can change any more are marked, and drawn no more.
+//! Early exit of slices: opaque pixels are masked and skipped by the slices behind.
 //!
-//! Role: between two batches of slices, a pass over the picture so far marks the pixels that are as opaque as what ends a
-//! ray. Invariant: where batches end depends on the number of slices alone, so the same scene gives the same picture.
-//! Source: PH 3.1; Krueger and Westermann 2003, whom GG 39.6 names (the chapter is cut: a reconstruction).
+//! Role: between two batches of slices, a pass over the target masks the pixels whose opacity ends a ray. Invariant:
+//! batches depend on the number of slices alone, so a scene always gives one picture. Source: PH 3.1; Krueger and
+//! Westermann 2003, cited by GG 39.6 (reconstructed, since the chapter is cut).
 
 use super::bind::BoundInputs;
 use super::{bind, pass};
@@ -13,15 +13,15 @@ use crate::scene::{Order, Pass, Scene};
 use crate::shader::{Library, Linker};
 use std::sync::Arc;
 
-/// The fragment stage that marks.
+/// Fragment stage of the mask.
 const ENTRY: &str = "mark.frag";
-/// Name of the picture so far.
+/// Binding of the target.
 const TARGET: &str = "target_image";
-/// Batches of the slices of a picture. Fewer: hidden matter is drawn longer. More: passes over the picture cost more than
-/// that.
+/// Batches of the slices of a picture. Lower: hidden matter is drawn longer. Higher: the masking passes cost more than
+/// they save.
 const BATCHES: u32 = 16;
 
-/// What marks the pixels of a scene's pictures.
+/// Mask of the opaque pixels of a picture.
 pub(crate) struct OpaqueMask {
     program: Program,
     pipeline: Pipeline,
@@ -29,8 +29,8 @@ pub(crate) struct OpaqueMask {
 }
 
 impl OpaqueMask {
-    /// Whether the slices of a scene end early: what is opaque hides what is drawn behind it, in each pixel alike. Slices that
-    /// are taken apart, to be looked at from the side, hide others in other pixels.
+    /// Whether the slices of a scene may exit early. Requires slices that hide each other in each pixel, unlike a stack
+    /// that is viewed from the side.
     pub(crate) fn serve(scene: &Scene) -> bool {
         let quality = &scene.quality;
         let (pass, order) = (Pass::Slices, Order::FrontToBack);
@@ -50,13 +50,13 @@ impl OpaqueMask {
         Ok(OpaqueMask { program, pipeline, image: image(gpu, scene)? })
     }
 
-    /// Makes them as large as the pictures of a scene.
+    /// Resizes the mask to the pictures of a scene.
     pub(crate) fn resize(&mut self, gpu: &Gpu, scene: &Scene) -> Result<(), RenderError> {
         self.image = image(gpu, scene)?;
         Ok(())
     }
 
-    /// What is done between the slices of a picture in that target.
+    /// The masking pass between the slices of a picture.
     pub(crate) fn between<'a>(
         &'a self,
         gpu: &Gpu,

@@ -1,10 +1,10 @@
-//! Half-angle slicing: the light goes through the slices of the picture with the camera, slice by slice.
+//! Half-angle slicing: light and camera traverse the slices together.
 //!
-//! Role: the slices face half way between the camera and the light, or the camera's other side where the light is behind the
-//! object, so that both cross them in one order. Before a slice is blended into the picture, the light behind it is drawn
-//! from the light before it; matter is lit from both buffers. Invariant: light and eye are fixed in eye space, so the
-//! slices stay still while the trackball turns (MJ 3.3).
-//! Source: GG 39.5.1; Kniss, Premoze, Hansen, Shirley and McPherson 2003. The chapter is cut: a reconstruction.
+//! Role: the slices face halfway between the camera and the light, or halfway to the opposite of the camera for a light
+//! behind the object, so that both cross them in one order. Before a slice is blended into the picture, the light
+//! behind it is drawn from the light before it; matter is lit from both buffers. Invariant: light and eye are fixed in
+//! eye space, so the trackball does not move the slices (MJ 3.3). Source: GG 39.5.1; Kniss, Premoze, Hansen, Shirley
+//! and McPherson 2003 (reconstructed, since the chapter is cut).
 
 use super::bind::BoundInputs;
 use super::submission_budget::SubmissionControl;
@@ -20,15 +20,15 @@ use crate::shader::{Library, Linker};
 use glam::Vec3;
 use std::sync::Arc;
 
-/// The light's buffer: scattered light in RGB, direct light in A. Fewer bits: thin matter does not darken it at all.
+/// Light buffer: scattered light in RGB, direct light in A. Fewer bits: thin matter does not darken it at all.
 const BUFFER: Format = Format::Rgba32Float;
 
-/// How the slices meet the target: the light comes first, and the camera may look from the other side.
+/// Blending of the slices, which are ordered from the light and may be seen from the other side.
 pub(crate) fn blend(scene: &Scene) -> Blend {
     if axis(scene).z >= 0.0 { Blend::Under } else { Blend::Over }
 }
 
-/// Refuses an eye or a light that does not look through the slices in their order.
+/// Returns an error if a ray of the eye or of the light crosses the slices too flat or in reverse.
 fn check(scene: &Scene, view: &View) -> Result<(), RenderError> {
     if slant(scene, view) >= 1.0 / FLATTEST {
         return Err(RenderError::HalfAngle("the view is too wide", "lower camera.field_of_view"));
@@ -46,7 +46,7 @@ fn check(scene: &Scene, view: &View) -> Result<(), RenderError> {
     }
 }
 
-/// The slices of a picture, and what they are drawn with.
+/// Slices of a picture with their pipeline and inputs.
 #[derive(Clone, Copy)]
 pub(crate) struct Slices<'a> {
     pub(crate) pipeline: &'a Pipeline,
@@ -56,7 +56,7 @@ pub(crate) struct Slices<'a> {
     pub(crate) stack: &'a pass::Stack,
 }
 
-/// What hands the light from slice to slice, made once for the pictures of a scene.
+/// Light buffers of a scene and the program that advances them.
 #[derive(Clone)]
 pub(crate) struct HalfAngle {
     program: Program,
@@ -65,7 +65,7 @@ pub(crate) struct HalfAngle {
 }
 
 impl HalfAngle {
-    /// `made` may serve: one of a scene with as many octaves.
+    /// Links and compiles the program, unless `made` serves, which belongs to a scene with as many octaves.
     pub(crate) fn new(
         gpu: &Gpu,
         library: &Library,
@@ -85,7 +85,7 @@ impl HalfAngle {
         Ok(HalfAngle { program, pipeline, buffers })
     }
 
-    /// Makes its buffers as large as those of a scene.
+    /// Resizes the buffers to those of a scene.
     pub(crate) fn resize(&mut self, gpu: &Gpu, scene: &Scene) -> Result<(), RenderError> {
         let side = scene.light.shadow_resolution;
         if self.buffers[0].size()[0] != side {
@@ -94,7 +94,7 @@ impl HalfAngle {
         Ok(())
     }
 
-    /// Draws a picture and its light, as [`pass::draw`] draws a picture.
+    /// Draws a picture and its light, with the parameters of [`pass::draw`].
     pub(crate) fn draw(
         &self,
         gpu: &Gpu,
@@ -114,7 +114,7 @@ impl HalfAngle {
         let corners: Vec<[f32; 3]> = corners.collect();
         let corners = Buffer::new(gpu, "light slices", BufferUse::Vertices, bytemuck::cast_slice(&corners))?;
         let blocks = bind::buffers(gpu, &bound.blocks_of(&self.program)?)?;
-        // The buffers take turns: that before a slice, and that behind it.
+        // The buffers alternate: one before a slice, one behind it.
         let buffers = |program: &Program, before: usize| {
             let found = program.resources.iter().filter_map(|resource| match resource.name.as_str() {
                 BEFORE => Some((resource.binding, gpu::Resource::Image(self.buffers[before].clone()))),
@@ -143,7 +143,7 @@ impl HalfAngle {
     }
 }
 
-/// The buffers of the light, which take turns.
+/// Allocates the alternating light buffers.
 fn buffers(gpu: &Gpu, side: u32) -> Result<[Arc<Image>; 2], RenderError> {
     let plane = Dimension::Plane(side, side);
     let buffer = || Image::new(gpu, "light", plane, BUFFER, ImageUse::SampledTarget).map(Arc::new);

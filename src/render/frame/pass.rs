@@ -1,9 +1,8 @@
 //! The two passes: view-aligned slices, and rays.
 //!
-//! Role: cut the space around the object by view-aligned planes that stay where they are in eye space, and draw
-//! slices in them or march rays from one to the next: the samples are the same.
-//! Invariant: the vertices depend on the camera's distance and on the size of the scene, never on the rotation (MJ 3.3).
-//! Source: MJ 2, 3.3, 3.6 and Fig. 1; GG 39.6.1.
+//! Role: draws slices in equidistant planes that are fixed in eye space, or marches rays through the same samples.
+//! Invariant: the vertices depend on the camera's distance and on the size of the scene, never on the rotation (MJ
+//! 3.3). Source: MJ 2, 3.3, 3.6 and Fig. 1; GG 39.6.1.
 
 use super::submission_budget::SubmissionControl;
 use crate::gpu::{Area, BindSet, Buffer, Commands, Gpu, GpuError, Image, Load, Pipeline, Submitted, Target};
@@ -15,10 +14,10 @@ use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// The vertices of a stack of slices.
+/// Vertices of a stack of slices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stack {
-    /// Vertices, in the order in which the slices are drawn.
+    /// Vertices in drawing order.
     pub vertices: Vec<f32>,
     /// Vertices of one slice.
     pub per_slice: u32,
@@ -26,8 +25,8 @@ pub struct Stack {
     pub slices: u32,
 }
 
-/// A slice in each plane: quads as wide as the sphere of this radius, or polygons cut to the box in the vertex stage.
-/// `tint` colors a slice by its place in the stack, 0 at the camera to 1: linear RGBA.
+/// Builds a slice in each plane: quads as wide as the sphere, or polygons that the vertex stage clips to the box.
+/// `tint` maps the place in the stack, from 0 at the camera to 1, to linear RGBA.
 pub fn stack(planes: &SlicePlanes, radius: f32, proxy: Proxy, order: Order, tint: impl Fn(f32) -> [f32; 4]) -> Stack {
     let mut drawn: Vec<u32> = (0..planes.count).collect();
     if order == Order::BackToFront {
@@ -66,21 +65,21 @@ pub fn attributes(proxy: Proxy) -> &'static [u32] {
     }
 }
 
-/// What drawing a stack cost.
+/// Timing of a pass.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PassTiming {
-    /// Milliseconds of the first use of the pipeline, on which some drivers compile it.
+    /// Time of the first use of the pipeline, when some drivers compile it, milliseconds.
     pub first_use_ms: f64,
-    /// Milliseconds on the device.
+    /// Time on the device, milliseconds.
     pub gpu_ms: f64,
     /// Longest submission, milliseconds.
     pub longest_ms: f64,
-    /// Fragments shaded, where the device counts them.
+    /// Shaded fragments, if the device counts them.
     pub fragments: Option<u64>,
 }
 
 impl PassTiming {
-    /// Uses the pipeline once, for a row of the first triangle, before what is timed.
+    /// Warms the pipeline up with a row of the first triangle.
     fn begin(
         gpu: &Gpu,
         pipeline: &Pipeline,
@@ -97,7 +96,7 @@ impl PassTiming {
         Ok(PassTiming { first_use_ms: cost.wall_ms, fragments: Some(0), ..Default::default() })
     }
 
-    /// Adds what was drawn after it.
+    /// Adds the timing of a following pass.
     pub fn append(&mut self, next: &PassTiming) {
         self.first_use_ms += next.first_use_ms;
         self.gpu_ms += next.gpu_ms;
@@ -112,13 +111,13 @@ impl PassTiming {
     }
 }
 
-/// Marches a ray of so many samples through each pixel of the areas, whose quads do not overlap, one area after the other, in
-/// submissions that are cut by what those before have cost. Other pixels hold no picture afterwards; those of the areas do
-/// not depend on which other areas there are. Whole quads are drawn: rays that bend read their neighbors' directions, which
-/// lavapipe (Mesa 25) does not compute outside of a scissor.
+/// Marches a ray of `samples` through each pixel of the areas, one area after the other, in submissions within the
+/// budget. The quads of the areas must not overlap. Other pixels are undefined afterwards; those of an area do not
+/// depend on the other areas. Whole quads are drawn: bent rays read their neighbors' directions, which lavapipe (Mesa
+/// 25) does not compute outside a scissor.
 ///
 /// # Errors
-/// What a submission may fail with; [`RenderError::Stopped`].
+/// Those of a submission; [`RenderError::Stopped`].
 pub fn march(
     gpu: &Gpu,
     pipeline: &Pipeline,
@@ -156,7 +155,7 @@ pub fn march(
     Ok(drawn)
 }
 
-/// Takes the next rows of quads off the areas, about `count` pixels and at least one such row, or what is left.
+/// Removes the next rows of quads from the areas: about `count` pixels, at least one row of quads, or the rest.
 fn take(areas: &mut VecDeque<Area>, count: u64) -> Vec<Area> {
     let (mut taken, mut left) = (Vec::new(), count.max(1));
     while left > 0
@@ -179,25 +178,24 @@ fn take(areas: &mut VecDeque<Area>, count: u64) -> Vec<Area> {
     taken
 }
 
-/// What hands the light from slice to slice: a triangle for each.
+/// Half-angle light, advanced by a triangle for each slice.
 pub struct Light<'a> {
-    /// Draws the light behind a slice from that before it.
+    /// Draws the light behind a slice from the light before it.
     pub pipeline: &'a Pipeline,
-    /// What it reads where the first buffer, or the second, holds the light before the slice.
+    /// Inputs with the light in the first buffer, and in the second.
     pub sets: [BindSet; 2],
     /// Three vertices for each slice.
     pub vertices: &'a Buffer,
-    /// The buffers, which take turns.
+    /// The alternating buffers.
     pub buffers: &'a [Arc<Image>; 2],
 }
 
 impl Light<'_> {
-    /// The buffer of this number as a target.
     fn into(&self, buffer: usize) -> Target<'_> {
         Target::of(&self.buffers[buffer])
     }
 
-    /// Lets all of the light in, and uses the pipeline once.
+    /// Fills the first buffers with full light, and warms the pipeline up.
     fn begin(&self, gpu: &Gpu) -> Result<f64, GpuError> {
         let cost = gpu.submit("first light", |commands| {
             for buffer in [0, 1] {
@@ -219,34 +217,34 @@ impl Light<'_> {
     }
 }
 
-/// What is done between two slices.
+/// Work between two slices.
 pub enum BetweenSlices<'a> {
-    /// Nothing.
+    /// No work.
     Nothing,
-    /// The light behind a slice is drawn, before it.
+    /// Draws the light behind the next slice.
     Light(&'a Light<'a>),
-    /// Pixels that are opaque are marked, after a number of slices.
+    /// Masks opaque pixels after a number of slices.
     Marks {
-        /// Marks them.
+        /// Masking pipeline.
         pipeline: &'a Pipeline,
-        /// What that reads: the picture so far.
+        /// Its inputs: the target.
         set: BindSet,
-        /// The marks.
+        /// The mask.
         image: &'a Image,
-        /// After so many slices.
+        /// Number of slices between two maskings.
         every: u32,
     },
 }
 
-/// Clears the target and blends the slices into areas of it, as for [`march`], each in its tiles of them. With several
-/// samples per pixel the areas must not touch, and there are no tiles: lavapipe (Mesa 22) draws beyond its scissor, into the
-/// next row, and where an area meets another a slice would be blended twice.
+/// Clears the target and blends the slices into areas of it, as for [`march`], each within its tiles. With several
+/// samples per pixel the areas must not touch, and there are no tiles: lavapipe (Mesa 22) draws into the row beyond its
+/// scissor, so that slices would be blended twice along a border.
 ///
-/// With a light, each slice is drawn after the light behind it, with the set of the buffer that holds the light before it.
-/// With marks, which are a part of the target too, what is drawn into a pixel ends with the batch in which it gets opaque.
+/// With a light, each slice follows the light behind it and reads the set of the buffer that holds the light before it.
+/// With a mask, a pixel ends with the batch that makes it opaque.
 ///
 /// # Errors
-/// What a submission may fail with; [`RenderError::Stopped`].
+/// Those of a submission; [`RenderError::Stopped`].
 #[expect(clippy::too_many_arguments, reason = "what is drawn, with what, where")]
 pub(crate) fn draw(
     gpu: &Gpu,

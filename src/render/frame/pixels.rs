@@ -1,9 +1,9 @@
-//! The pixels of a target: summed over sub-frames, and checked.
+//! Pixels of a target: averaged over sub-frames, and checked.
 
 use crate::gpu::Area;
 use crate::render::error::RenderError;
 
-/// The mean of pictures; one alone stays as it is.
+/// Mean of pictures; a single picture stays bit for bit.
 #[derive(Default)]
 pub(crate) struct Mean {
     first: Vec<[f32; 4]>,
@@ -35,7 +35,7 @@ impl Mean {
     }
 }
 
-/// Refuses pixels of areas, one behind the other, that are no numbers.
+/// Returns an error for non-finite pixels of consecutive areas.
 pub(crate) fn check_finite(pixels: &[[f32; 4]], areas: &[Area]) -> Result<(), RenderError> {
     let bad = |pixel: &&[f32; 4]| pixel.iter().any(|value| !value.is_finite());
     match pixels.iter().position(|pixel| bad(&pixel)) {
@@ -55,7 +55,7 @@ pub(crate) fn check_finite(pixels: &[[f32; 4]], areas: &[Area]) -> Result<(), Re
     }
 }
 
-/// Puts the pixels of areas, one behind the other, into a picture of this width.
+/// Copies the pixels of consecutive areas into a picture of this width.
 pub fn paste_areas(pixels: &[[f32; 4]], areas: &[Area], width: u32, into: &mut [[f32; 4]]) {
     let mut left = pixels;
     for Area { columns, rows } in areas {

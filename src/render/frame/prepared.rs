@@ -1,4 +1,4 @@
-//! What the pictures of a scene share, and the frame pipeline, read top to bottom.
+//! Resources shared by the pictures of a scene, and the frame pipeline.
 
 use super::bind::BoundInputs;
 use super::depth::Depth;
@@ -23,17 +23,17 @@ use crate::shader::{Library, Linker, Slots};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Where pictures go.
+/// Destination of pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Destination {
-    /// Into a target of their own, from which they are read back.
+    /// A target that is read back.
     Frame,
-    /// Into a host's image of this format, and its depth into another where the host wants that.
+    /// A host's image of this format, and optionally one for the depth.
     Host { format: gpu::Format, has_depth: bool },
 }
 
 impl Destination {
-    /// Whether a scene prepared for it serves another one as well.
+    /// Whether a scene prepared for this destination serves another.
     pub(crate) fn serves(self, other: Destination) -> bool {
         match (self, other) {
             (Destination::Host { format, has_depth }, Destination::Host { format: of_other, has_depth: wanted }) => {
@@ -44,63 +44,62 @@ impl Destination {
     }
 }
 
-/// No opacity is below this but that of a ray whose loops the device has cut: see `march.frag`.
+/// Alpha below this marks a ray whose loops the device has cut: see `march.frag`.
 const CUT_SHORT: f32 = -1000.0;
 
-/// What of a scene was made before.
+/// Parts of a prepared scene for reuse.
 #[derive(Default)]
 pub(crate) struct Reusable {
-    /// A program, and which it is.
+    /// A program with its slots.
     program: Option<(Program, Slots)>,
     bound: Option<BoundInputs>,
     pipelines: Option<Pipelines>,
 }
 
-/// What is compiled of a program, and how it meets its targets.
+/// Compiled pipelines, with the state of their targets.
 #[derive(Clone)]
 struct Pipelines {
     shape: Shape,
     picture: Arc<gpu::Pipeline>,
-    /// What casts the shadows of a scene that has them.
+    /// Shadow casting, with `light.shadows`.
     caster: Option<ShadowCaster>,
-    /// What hands the light from slice to slice, in a scene that has it do so.
+    /// Light buffers, with half-angle slicing.
     half_angle: Option<HalfAngle>,
-    /// Program and pipeline of the depth, once it was asked for.
+    /// Depth, once requested.
     depth: Option<Depth>,
-    /// What submissions of its pictures have taken.
+    /// Submission budget of the pictures.
     pace: SubmissionBudget,
 }
 
-/// Octaves, attributes of a vertex, format and samples of the target, and how fragments meet it.
+/// Octaves, vertex attributes, target format, samples, blending, and use of the opaque mask.
 type Shape = (u32, &'static [u32], gpu::Format, u32, gpu::Blend, gpu::Marks);
 
-/// A scene with all that its pictures share, made once: program, pipeline, images and targets.
+/// A scene with program, pipelines, images and targets.
 pub(crate) struct Prepared {
     gpu: Gpu,
     scene: Scene,
-    /// That of its program, which may serve others.
+    /// Variant of its program, which may serve others.
     variant: Variant,
     destination: Destination,
     pub(crate) program: Program,
     pub(crate) bound: BoundInputs,
     pipelines: Pipelines,
-    /// The images of a picture that is read back: that which is blended into, and where its samples are averaged to.
+    /// Render target, and its resolve target with multisampling.
     targets: Option<(Arc<gpu::Image>, Option<gpu::Image>)>,
-    /// What ends slices early, where they may.
+    /// Early exit of slices.
     marks: Option<OpaqueMask>,
     compile_ms: f64,
-    /// The size of the picture that pictures stand for.
+    /// Size of the full picture of which pictures are previews.
     pub(crate) whole: [u32; 2],
 }
 
 impl Prepared {
-    /// How its pictures are cut into submissions.
     #[cfg(test)]
     pub(crate) fn pace(&mut self) -> &mut SubmissionBudget {
         &mut self.pipelines.pace
     }
 
-    /// Makes what the pictures of a scene share; its program, and what that reads, may be `made` already.
+    /// Prepares a scene, with reusable parts.
     pub(crate) fn new(
         gpu: &Gpu,
         library: &Library,
@@ -180,7 +179,7 @@ impl Prepared {
         })
     }
 
-    /// Whether all of this serves another scene as well: it differs in what a picture is drawn with alone, or in its size.
+    /// Whether this serves another scene: one that differs only in per-picture values or in size.
     pub(crate) fn fits(&self, scene: &Scene, variant: &Variant, destination: Destination) -> bool {
         let mut alike = scene.clone();
         alike.image.size = self.scene.image.size;
@@ -189,7 +188,7 @@ impl Prepared {
             && self.reads_the_same(scene, variant)
     }
 
-    /// Makes its pictures and their light as large as those of a scene that fits.
+    /// Resizes the targets to those of a scene that fits.
     pub(crate) fn resize(&mut self, scene: &Scene) -> Result<(), RenderError> {
         if self.scene.image.size != scene.image.size {
             self.scene.image.size = scene.image.size;
@@ -201,7 +200,7 @@ impl Prepared {
         self.pipelines.half_angle.iter_mut().try_for_each(|light| light.resize(&self.gpu, scene))
     }
 
-    /// What serves another scene that its program serves.
+    /// Parts for another scene that the program serves.
     pub(crate) fn made(self, scene: &Scene, variant: &Variant) -> Reusable {
         let reads_the_same = self.reads_the_same(scene, variant);
         Reusable {
@@ -211,16 +210,16 @@ impl Prepared {
         }
     }
 
-    /// What serves it while this goes on to serve its own: its program, compiled.
+    /// Copies of the compiled parts, for another scene.
     pub(crate) fn shared(&self) -> Reusable {
         let program = Some((self.program.clone(), self.variant.slots.clone()));
         Reusable { program, bound: None, pipelines: Some(self.pipelines.clone()) }
     }
 
-    /// Whether another scene has the same program and images: it differs in camera, time, parameters, samples and targets
-    /// alone, and its matter reaches as far.
+    /// Whether another scene has the same program and images: one that differs only in camera, time, parameters,
+    /// samples and targets, with matter of equal reach.
     pub(crate) fn reads_the_same(&self, scene: &Scene, variant: &Variant) -> bool {
-        // Some images depend on the length of a step.
+        // Some images depend on the step.
         let by_step = ["segment_image", "brick_image"].iter().any(|name| self.program.reads(name));
         let samples = [scene, &self.scene].map(|scene| scene.quality.samples);
         let reach = |variant: &Variant| {
@@ -234,8 +233,8 @@ impl Prepared {
         same_settings && same_step && same_tables && self.runs(variant) && reach(variant) == reach(&self.variant)
     }
 
-    /// Whether its program serves a variant: what is 0 in it is 0 there. Where more is, the picture is the same without it,
-    /// and to link anew would take longer: a value that is pulled to 0 stands still.
+    /// Whether the program serves a variant. Every parameter folded to 0 here must be 0 there. More zeros are fine:
+    /// relinking would stall a slider.
     pub(crate) fn runs(&self, variant: &Variant) -> bool {
         let [own, wanted] = [&self.variant, variant].map(|variant| {
             let modules = variant.slots.iter().filter(|(slot, _)| *slot != ZERO);
@@ -244,19 +243,19 @@ impl Prepared {
         own.0 == wanted.0 && own.1 == wanted.1 && own.2.iter().all(|zero| wanted.2.contains(zero))
     }
 
-    /// A variant that the program serves, as the program has it: what is made for one picture serves the next, where what
-    /// is 0 now may be something else.
+    /// The variant with the slots of this program: cells and tables of one picture serve the next, where a zero may
+    /// have changed.
     fn served(&self, variant: &Variant) -> Variant {
         Variant { slots: self.variant.slots.clone(), ..variant.clone() }
     }
 
-    /// The slices of a picture, or none for rays.
+    /// Slices of a picture; `None` for rays.
     fn slices(&self, shot: &FrameContext<'_>) -> Result<Option<(Buffer, pass::Stack)>, RenderError> {
         let (quality, view, planes) = (&shot.scene.quality, &shot.view, &shot.planes);
         if quality.pass == Pass::March {
             return Ok(None);
         }
-        // Rays to the rim of the sphere are slanted: at the nearest plane they may be a little beyond it.
+        // Slanted rays may leave the sphere at the nearest plane.
         let radius = view.reaches()[0] + planes.step;
         let stack = pass::stack(planes, radius, quality.proxy, quality.order, view.tint());
         let none = [0; 4]; // a buffer cannot be empty, a stack can
@@ -264,13 +263,12 @@ impl Prepared {
         Ok(Some((Buffer::new(&self.gpu, "proxy slices", gpu::BufferUse::Vertices, bytes)?, stack)))
     }
 
-    /// Has the shadow volume of the next picture cast anew.
     pub(crate) fn invalidate_shadows(&mut self) {
         self.pipelines.caster.iter_mut().for_each(ShadowCaster::forget);
     }
 
-    /// Makes the shadow volume of a picture, and waits for it, unless the last one serves; milliseconds on the device now, and
-    /// before.
+    /// Casts the shadow volume of a picture and waits for it, unless the latest serves. Returns the milliseconds on the
+    /// device now, and those of a reused volume.
     fn cast(&mut self, shot: &FrameContext<'_>, stop: &dyn Fn(f64) -> bool) -> Result<Option<[f64; 2]>, RenderError> {
         let Some(caster) = &mut self.pipelines.caster else { return Ok(None) };
         let ShadowVolume { image, gpu_ms, is_kept, .. } = caster.volume(&self.gpu, shot, &self.bound, stop)?;
@@ -294,7 +292,7 @@ impl Prepared {
         };
         self.bound.fill_recorded(&self.gpu, &self.program, &shot, &sub_frame)?;
         if self.pipelines.caster.is_some() {
-            self.bound.uploads.submit(&self.gpu)?; // what casts the shadows is submitted, and reads them
+            self.bound.uploads.submit(&self.gpu)?; // the shadow pass is submitted, and reads them
         }
         self.cast(&shot, &|_| false)?;
         let (vertices, count) = match self.slices(&shot)? {
@@ -308,7 +306,7 @@ impl Prepared {
         Ok(commands.draw(&self.bound.uploads, pipeline, set, vertices, 0..count, depth.transpose()?))
     }
 
-    /// The depth of a picture of a scene that fits, by rays; it ends where it is to `stop`, after so many milliseconds.
+    /// Depth of a picture of a scene that fits, by rays; `stop` receives the milliseconds on the device.
     pub(crate) fn depth(
         &mut self,
         library: &Library,
@@ -326,9 +324,9 @@ impl Prepared {
         self.pipelines.depth.insert(depth).draw(&self.gpu, &shot, &self.bound, stop)
     }
 
-    /// Areas of a picture of a scene that fits, the mean of the sub-frames that are wanted: the frame pipeline. The pixels
-    /// are those of the areas, one behind the other; it ends where it is to `stop`, after so many milliseconds. `None` where
-    /// the device has cut the loops of its rays.
+    /// The frame pipeline: areas of a picture of a scene that fits, averaged over the `wanted` sub-frames. Returns the
+    /// pixels of the areas in order, or `None` if the device has cut the loops of two-phase rays. `stop` receives the
+    /// milliseconds on the device.
     pub(crate) fn frame(
         &mut self,
         scene: &Scene,
@@ -379,7 +377,7 @@ impl Prepared {
                 }
             });
             let texels = resolved.as_ref().unwrap_or(color).read_areas(areas)?;
-            // Rays of other programs do not say so: what a module of a user gives may be below it.
+            // Only two-phase programs mark cut rays; custom modules may return any alpha.
             if self.variant.uses_two_phase() && texels.iter().any(|[.., alpha]| *alpha < CUT_SHORT) {
                 return Ok(None);
             }
@@ -423,7 +421,7 @@ impl Prepared {
     }
 }
 
-/// What the pictures of a scene are drawn into, and where their samples are averaged to.
+/// Allocates the render target, and its resolve target with multisampling.
 fn targets(
     gpu: &Gpu,
     scene: &Scene,

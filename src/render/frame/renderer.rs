@@ -1,4 +1,4 @@
-//! From a scene to its picture: what users of the crate call.
+//! The renderer: public functions from a scene to its picture.
 
 use super::background::BackgroundPrepare;
 use super::depth::by_rays;
@@ -22,38 +22,38 @@ use support::watch::own_processor_time;
 /// Renders a scene.
 ///
 /// The pixels are premultiplied linear RGBA without the background. A hard surface is located within the step
-/// (`measurements.step`); a ray that grazes an edge for less than a step may miss it.
-/// The error in soft matter is of the order of the step, and with `quality.integration = "segment"` of its square.
+/// (`measurements.step`); a ray that grazes an edge for less than a step may miss it. The error in soft matter is of
+/// the order of the step, and with `quality.integration = "segment"` of its square.
 ///
 /// # Errors
-/// The scene has no valid program, or the device refuses.
+/// The scene has no valid program, or a Vulkan call fails.
 pub fn render(gpu: &Gpu, library: &Library, scene: &Scene, subject: &Subject) -> Result<Frame, RenderError> {
     Renderer::new(gpu, library, subject).render(scene)
 }
 
-/// Renders scenes of one subject: what was made for one picture and fits the next is not made again.
+/// Renders scenes of one subject, and reuses programs, images and pipelines between pictures.
 pub struct Renderer {
     gpu: Gpu,
     library: Library,
     subject: Subject,
-    /// For the last scenes, the last one last.
+    /// Cached scenes, the latest last.
     prepared: Vec<Prepared>,
     kept: usize,
     whole: Option<[u32; 2]>,
     stop: Stop,
-    /// Modules and samples of scenes whose loops the device has cut where rays waited for each other.
+    /// Modules and samples of scenes whose two-phase rays the device has cut short.
     cut: Vec<(Slots, u32)>,
-    /// What the next scene of a host needs.
+    /// Preparation of a host's next scene.
     coming: Option<BackgroundPrepare>,
-    /// Milliseconds of making what the next picture needs.
+    /// Time of preparing the next picture, milliseconds.
     prepared_ms: f64,
 }
 
-/// Whether a picture ends unfinished, after so many milliseconds on the device.
+/// Whether a picture ends unfinished; receives the milliseconds on the device.
 type Stop = Arc<dyn Fn(f64) -> bool + Send + Sync>;
 
 impl Renderer {
-    /// A renderer that has made nothing yet. It shares device, library and subject, which are not copied.
+    /// Creates a renderer that shares device, library and subject.
     pub fn new(gpu: &Gpu, library: &Library, subject: &Subject) -> Renderer {
         let (gpu, library, subject) = (gpu.clone(), library.clone(), subject.clone());
         Renderer {
@@ -70,25 +70,25 @@ impl Renderer {
         }
     }
 
-    /// Keeps what was made for so many scenes that have less in common than camera, size and parameters; without this, for
-    /// one.
+    /// Sets the number of cached scenes that differ in more than camera, size and parameters (default 1).
     pub fn set_cache_size(&mut self, scenes: usize) {
         self.kept = scenes.max(1);
     }
 
-    /// Pictures from now on end with [`RenderError::Stopped`] where `stop` says so. It is asked between submissions to the
-    /// device, which take some [`SUBMISSION_MS`](super::submission_budget::SUBMISSION_MS), with the milliseconds of the picture so far.
+    /// Ends later pictures with [`RenderError::Stopped`] when `stop` returns true. It is called between submissions,
+    /// which take some [`SUBMISSION_MS`](super::submission_budget::SUBMISSION_MS), with the milliseconds of the picture
+    /// so far.
     pub fn stop_where(&mut self, stop: impl Fn(f64) -> bool + Send + Sync + 'static) {
         self.stop = Arc::new(stop);
     }
 
-    /// Pictures from now on are small ones of a picture of this size: they leave out as much of empty space as that does.
+    /// Renders previews: empty cells are chosen as for a picture of `size`.
     pub fn preview_of(&mut self, size: [u32; 2]) {
         self.whole = Some(size);
     }
 
-    /// Makes what the next picture of a scene needs. Calls `progress` with the part of a block of noise that is done, from
-    /// any thread, while one is made: the largest take seconds.
+    /// Prepares the next picture of a scene. `progress` receives the finished share of a noise block, from any thread;
+    /// the largest take seconds.
     ///
     /// # Errors
     /// As [`render`].
@@ -100,12 +100,12 @@ impl Renderer {
         Ok(())
     }
 
-    /// Whether program and images of a scene are made: what [`Renderer::prepare`] makes.
+    /// Whether [`Renderer::prepare`] has nothing to do for a scene.
     pub fn is_prepared(&self, scene: &Scene) -> bool {
         self.variant(scene).is_ok_and(|variant| self.serving(scene, &variant).next().is_some())
     }
 
-    /// Whether a picture of a scene can be drawn at once: it is prepared, and what decides where its space is empty is made.
+    /// Whether a picture of a scene can be drawn at once, with its prover of empty cells loaded.
     pub fn is_ready(&self, scene: &Scene) -> bool {
         let whole = self.whole.unwrap_or(scene.image.size);
         self.variant(scene).is_ok_and(|variant| {
@@ -118,12 +118,12 @@ impl Renderer {
         self.prepared.iter().filter(move |own| own.fits(scene, variant, Destination::Frame))
     }
 
-    /// Pictures from now on have their shadow volumes cast anew: for their time.
+    /// Discards cached shadow volumes, so that the next pictures include their time.
     pub fn invalidate_shadows(&mut self) {
         self.prepared.iter_mut().for_each(Prepared::invalidate_shadows);
     }
 
-    /// Renders a scene, as [`render`] does, bit for bit.
+    /// Renders a scene, with the bits of [`render`].
     ///
     /// # Errors
     /// As [`render`].
@@ -132,8 +132,8 @@ impl Renderer {
         self.render_bands(scene, std::slice::from_ref(&all))
     }
 
-    /// Renders some bands of a picture, ranges of rows in it that neither overlap nor touch. Their pixels are those of
-    /// the whole picture, bit for bit; the others are undefined.
+    /// Renders bands of a picture: ranges of rows that neither overlap nor touch. Their pixels have the bits of the
+    /// whole picture; the others are undefined.
     ///
     /// # Errors
     /// As [`render`].
@@ -149,17 +149,15 @@ impl Renderer {
         Ok(frame)
     }
 
-    /// Renders areas of a picture, one after the other, whose quads of 2 x 2 pixels do not overlap; with `quality.msaa`, they
-    /// do not touch either.
-    /// Of a picture with `quality.supersampling` it may be the one with this number of those that it is the mean of. The
-    /// pixels of the frame are those of the areas, one behind the other, each row by row: those of the whole picture, bit
-    /// for bit.
+    /// Renders areas of a picture, one after the other. Their quads of 2 x 2 pixels must not overlap; with
+    /// `quality.msaa`, the areas must not touch either. `number` selects one sub-frame of `quality.supersampling`. The
+    /// pixels of the frame are those of the areas in order, each row by row, with the bits of the whole picture.
     ///
     /// # Errors
     /// As [`render`].
     ///
     /// # Panics
-    /// With a number that is not below `quality.supersampling`, or an area that is empty or not in the picture.
+    /// If the number is not below `quality.supersampling`, or an area is empty or outside the picture.
     pub fn render_areas(&mut self, scene: &Scene, areas: &[Area], number: Option<u32>) -> Result<Frame, RenderError> {
         let (start, before) = (Instant::now(), own_processor_time());
         let count = scene.quality.supersampling;
@@ -183,14 +181,14 @@ impl Renderer {
         Ok(frame)
     }
 
-    /// Renders the depth of a picture: of each pixel, row by row from the top, how far from the eye along the axis of view
-    /// (object units) a ray through its middle meets an opacity of 1/2, all matter in front together; infinite where it meets
-    /// less. Hard matter is located within the step, as in [`render`]; in soft matter the error is of the order of the step.
-    /// Slices are taken for rays, whose samples are the same; of `quality.supersampling` and `quality.msaa` nothing is left,
-    /// since a mean of depths is the depth of nothing.
+    /// Renders the depth of a picture: for each pixel, row by row from the top, the distance from the eye along the
+    /// axis of view (object units) at which a ray through its center reaches an opacity of 1/2; infinity where it does
+    /// not. Hard matter is located within the step, as in [`render`]; in soft matter the error is of the order of the
+    /// step. Scenes of slices are drawn by rays through the same samples. `quality.supersampling` and `quality.msaa`
+    /// are ignored, since a mean of depths has no meaning.
     ///
     /// # Errors
-    /// As [`render`] and [`check_depth`](super::depth::check_depth).
+    /// As [`render`] and [`check_depth`](crate::render::check_depth).
     pub fn render_depth(&mut self, scene: &Scene) -> Result<Vec<f32>, RenderError> {
         let (library, subject, stop) = (self.library.clone(), self.subject.clone(), self.stop.clone());
         let scene = by_rays(scene, &library)?;
@@ -199,9 +197,9 @@ impl Renderer {
         prepared.depth(&library, &scene, &subject, &variant, &*stop)
     }
 
-    /// Whether [`Renderer::record`] draws a scene at once in a format. What is missing is made on a thread of its own, which
-    /// submits nothing: a host asks before each frame, and draws something else until it is there. A second scene is begun
-    /// when the first is made. Dropping the renderer waits for the thread.
+    /// Whether [`Renderer::record`] draws a scene at once in a format. Otherwise starts the preparation on a thread
+    /// that submits nothing: a host asks before each frame, and draws something else until then. One scene is prepared
+    /// at a time. Dropping the renderer waits for the thread.
     ///
     /// # Errors
     /// As [`Renderer::record`].
@@ -209,7 +207,7 @@ impl Renderer {
         self.is_made(scene, Destination::Host { format, has_depth: false })
     }
 
-    /// The same with the depth of the picture: of [`HostCommands::with_depth`].
+    /// Whether [`Renderer::record`] draws a scene and its depth ([`HostCommands::with_depth`]) at once in a format.
     ///
     /// # Errors
     /// As [`Renderer::record`].
@@ -217,7 +215,7 @@ impl Renderer {
         self.is_made(scene, Destination::Host { format, has_depth: true })
     }
 
-    /// Whether a scene can be recorded at once; begins the missing parts.
+    /// Whether a scene can be recorded at once; starts the preparation otherwise.
     fn is_made(&mut self, scene: &Scene, destination: Destination) -> Result<bool, RenderError> {
         let (scene, variant) = self.recorded(scene, scene.image.size)?;
         let is_made = self.coming.as_ref().is_some_and(BackgroundPrepare::is_made);
@@ -235,21 +233,21 @@ impl Renderer {
         Ok(false)
     }
 
-    /// Records a picture of a scene over what is in a host's image: slices back to front, or rays. The size of the image
-    /// stands for `image.size`, and its format for `quality.target`. Commands [with depth](HostCommands::with_depth) draw what
-    /// [`Renderer::render_depth`] gives as well.
+    /// Records a picture of a scene over the content of a host's image: slices back to front, or rays. Size and format
+    /// of the image replace `image.size` and `quality.target`. Commands [with depth](HostCommands::with_depth) also
+    /// draw the depth of [`Renderer::render_depth`].
     ///
-    /// The picture is that of [`render`]. Nothing is submitted, and nothing on the device is waited for, with one exception:
-    /// the shadow volume of a scene with `light.shadows` is cast anew, by submissions that are waited for, wherever its time,
-    /// light or matter has changed. Images are copied by the host's commands, and the cells of empty space are found on a
-    /// thread of their own: until they are, a picture is drawn without them.
+    /// The picture is that of [`render`]. The call submits nothing and waits for nothing on the device, with one
+    /// exception: the shadow volume of a scene with `light.shadows` is cast by submissions that are waited for, when
+    /// its time, light or matter has changed. The host's commands copy images. Empty cells are proven on a thread;
+    /// until then, pictures are drawn without.
     ///
-    /// What a scene shares with the one before, all but camera, time, size and parameters, is not made again. Programs, images
-    /// and pipelines that are missing are made here, by the calling thread: ask [`Renderer::is_recordable`] first.
+    /// Scenes that differ only in camera, time, size and parameters share everything. Missing programs, images and
+    /// pipelines are prepared by the calling thread: ask [`Renderer::is_recordable`] first.
     ///
     /// # Errors
-    /// As [`render`]; or the scene has `quality.msaa` or `quality.supersampling` above 1, or half-angle slices; with depth, as
-    /// [`Renderer::render_depth`].
+    /// As [`render`]; or the scene has `quality.msaa` or `quality.supersampling` above 1, or half-angle slices; with
+    /// depth, as [`Renderer::render_depth`].
     pub fn record(&mut self, commands: &mut HostCommands<'_>, scene: &Scene) -> Result<Recording, RenderError> {
         let destination = Destination::Host { format: commands.format(), has_depth: commands.has_depth() };
         let (scene, variant) = self.recorded(scene, commands.size())?;
@@ -261,13 +259,13 @@ impl Renderer {
         prepared.record(commands, &scene, &subject, &variant)
     }
 
-    /// Whether cells are there for the next picture that is recorded, and the part of the last ones that is empty.
+    /// Whether the next recorded picture has cells, and the empty share of the latest.
     #[cfg(test)]
     pub(crate) fn recorded_cells(&self) -> (bool, f32) {
         self.prepared.last().map_or((false, 0.0), |own| own.bound.recorded_cells())
     }
 
-    /// A scene as it is recorded for an image of a size, and its modules.
+    /// The scene for a recorded image of a size, and its modules.
     fn recorded(&self, scene: &Scene, size: [u32; 2]) -> Result<(Scene, Variant), RenderError> {
         let mut scene = scene.clone();
         scene.image.size = size;
@@ -280,12 +278,12 @@ impl Renderer {
         }
         let mut variant = self.variant(&scene)?;
         if !scene.may_find_first(&self.library) {
-            variant = variant.without_two_phase(); // what comes of it is not seen here
+            variant = variant.without_two_phase(); // two-phase artifacts would not be noticed here
         }
         Ok((scene, variant))
     }
 
-    /// Keeps what was made beside, waiting for it. What failed matters to the scene that is `wanted` alone.
+    /// Caches the result of a preparation, waiting for it. An error matters only for the `wanted` scene.
     fn take(&mut self, coming: BackgroundPrepare, wanted: (&Scene, &Variant, Destination)) -> Result<(), RenderError> {
         let serves = coming.serves(wanted.0, wanted.1, wanted.2);
         match coming.made() {
@@ -300,7 +298,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// The modules that a scene is drawn with: in one phase where the device has cut the loops of two-phase rays.
+    /// Modules of a scene: in one phase where the device has cut two-phase rays short.
     fn variant(&self, scene: &Scene) -> Result<Variant, RenderError> {
         let variant = Variant::of(scene, &self.library)?;
         let is_cut =
@@ -308,7 +306,7 @@ impl Renderer {
         Ok(if is_cut { variant.without_two_phase() } else { variant.for_device(self.gpu.info().cpu) })
     }
 
-    /// What serves a scene, from what there is.
+    /// Finds or prepares the cache entry of a scene.
     fn prepared(
         &mut self,
         scene: &Scene,
@@ -320,7 +318,7 @@ impl Renderer {
             Some(found) => self.prepared.remove(found),
             None => {
                 let running = self.prepared.iter().rposition(|own| own.runs(variant));
-                // What goes first makes room for what comes, and what of it serves is kept.
+                // The oldest entry is evicted first, and its reusable parts are kept.
                 let oldest = (self.prepared.len() >= self.kept).then(|| self.prepared.remove(0));
                 let made = match (running, oldest) {
                     (Some(0), Some(oldest)) => oldest.made(scene, variant),
@@ -357,9 +355,9 @@ mod tests {
         scene.object.input = "sphere".into();
         (scene.effect.classify, scene.effect.softness) = ("soft".into(), "quadratic".into());
         (scene.effect.opacity, scene.effect.surface) = ("beer".into(), "unlit".into());
-        scene.effect.opacity_rate = 3.0; // light comes through all of it
+        scene.effect.opacity_rate = 3.0; // light passes through all of it
         (scene.object.inner_iso, scene.object.outer_iso) = (-0.5, 0.25);
-        (scene.camera.azimuth, scene.camera.elevation) = (0.0, 0.0); // a slice is a square
+        (scene.camera.azimuth, scene.camera.elevation) = (0.0, 0.0); // slices are squares
         (scene.quality.pass, scene.quality.samples, scene.quality.early_termination) = (Pass::Slices, 1024, 0.0);
         scene.image.size = [24, 24];
         let subject = Subject::load(&scene, &shader::shipped(), &|_| ()).unwrap();

@@ -1,12 +1,12 @@
-//! The shadow volume: how much of the light reaches each place of the scene.
+//! Shadow volume: transmittance of the light at each place of the scene.
 //!
-//! Role: [`transmittance`] evaluates the matter of a scene along rays from the light, on the device and with the modules
-//! of the picture, and takes the products along the rays. Invariant: the rays are straight lines from the light, so that
-//! no shadow is blurred by being handed from texel to texel; see `light_space.glsl` for the space.
+//! Role: [`transmittance`] evaluates the matter of a scene along rays from the light, on the device and with the
+//! modules of the picture, and multiplies along the rays. Invariant: the rays are straight lines from the light, so
+//! shadows are not blurred by resampling; see `light_space.glsl` for the space.
 //!
-//! n rays by n rays of n segments need as many samples as a picture of n x n pixels, where a march from each of the n^3
-//! texels to the light would take n / 2 times as many. Handing the light from layer to layer of a grid that does not
-//! follow the rays needs no more either, but mixes neighbors in each layer, and knows no light inside of the scene.
+//! n by n rays of n segments need as many samples as a picture of n x n pixels; a march from each of the n^3 texels to
+//! the light would need n / 2 times as many. Propagation through the layers of an axis-aligned grid needs no more
+//! samples either, but blurs in each layer, and does not work for a light inside the scene.
 
 use super::bind::BoundInputs;
 use super::submission_budget::{SubmissionBudget, SubmissionControl};
@@ -23,23 +23,23 @@ use glam::{Mat4, Vec3};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// Format of the target that holds the transmittances of four segments in a texel.
+/// Target format: a texel holds the transmittances of four segments.
 const SEGMENTS: Format = Format::Rgba32Float;
 const SEGMENTS_OF_A_TEXEL: u32 = 4;
 
-/// How much of the light reaches each place of a scene.
+/// Transmittance of the light at each place of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Transmittance {
     space: LightSpace,
     object_matrix: Mat4,
-    /// For each of the distances, which are one more than rays along a side, the rays; in [0, 1].
+    /// Transmittances in [0, 1], one layer of rays for each distance; distances are one more than rays along a side.
     values: Vec<f32>,
-    /// Milliseconds on the device.
+    /// Time on the device, milliseconds.
     pub gpu_ms: f64,
 }
 
 impl Transmittance {
-    /// The light that reaches a place in object space, in [0, 1]: interpolated between rays and along them.
+    /// Interpolated transmittance at a place in object space, in [0, 1].
     pub fn at(&self, x: Vec3) -> f32 {
         let space = &self.space;
         let p = space.matrix.transform_point3(self.object_matrix.transform_point3(x));
@@ -60,13 +60,13 @@ impl Transmittance {
     }
 }
 
-/// The shadow volume of a scene, as [`render`](crate::render::render) uses it for a scene with `light.shadows`.
+/// Renders the shadow volume of a scene, as [`render`](crate::render::render) does with `light.shadows`.
 ///
-/// A step of a ray is two of the picture's, and at most a texel: the error is of first order in that step at hard edges and of
-/// second in soft matter, and between the texels of second order in their size.
+/// A step of a light ray is two of the picture's, and at most a texel. The error is of first order in that step at hard
+/// edges and of second order in soft matter; between the texels it is of second order in their size.
 ///
 /// # Errors
-/// The scene has no valid program, or the device refuses.
+/// The scene has no valid program, or a Vulkan call fails.
 pub fn transmittance(
     gpu: &Gpu,
     library: &Library,
@@ -86,33 +86,33 @@ pub fn transmittance(
     Ok(Transmittance { space: shot.space, object_matrix: shot.view.object_matrix, values, gpu_ms })
 }
 
-/// The program of the shadow volumes of a scene, made once, and the last of them.
+/// Program of the shadow volumes of a scene, and the latest volume.
 #[derive(Clone)]
 pub(crate) struct ShadowCaster {
     program: Program,
-    /// The members of blocks that it reads.
+    /// Block members that the program reads.
     read: BTreeSet<(u32, u32)>,
     pipeline: Arc<Pipeline>,
     pace: SubmissionBudget,
     last: Option<ShadowVolume>,
 }
 
-/// A shadow volume.
+/// A shadow volume with its inputs.
 #[derive(Clone)]
 pub(crate) struct ShadowVolume {
     space: LightSpace,
-    /// What the program has read of blocks and images: it casts the same volume from the same.
+    /// Values and images read by the program, which determine the volume.
     blocks: Vec<u8>,
     images: Vec<Arc<Image>>,
     pub(crate) image: Arc<Image>,
-    /// Milliseconds on the device.
+    /// Time on the device, milliseconds.
     pub(crate) gpu_ms: f64,
-    /// Whether an earlier picture had it cast.
+    /// Whether the volume is that of an earlier picture.
     pub(crate) is_kept: bool,
 }
 
 impl ShadowCaster {
-    /// `made` may serve: one of a scene with as many octaves.
+    /// Links and compiles the program, unless `made` serves, which belongs to a scene with as many octaves.
     pub(crate) fn new(
         gpu: &Gpu,
         library: &Library,
@@ -129,12 +129,12 @@ impl ShadowCaster {
         Ok(ShadowCaster { program, read, pipeline, pace: SubmissionBudget::default(), last: None })
     }
 
-    /// Has the next one cast anew.
+    /// Discards the latest volume.
     pub(crate) fn forget(&mut self) {
         self.last = None;
     }
 
-    /// The shadow volume of a picture: the last one, where nothing has changed that the program reads.
+    /// Shadow volume of a picture: the latest one if its inputs are unchanged.
     pub(crate) fn volume(
         &mut self,
         gpu: &Gpu,
@@ -166,8 +166,9 @@ impl ShadowCaster {
         Ok(cast)
     }
 
-    /// Draws the segments with the images of the picture's own program, and takes their products; ends where it is to
-    /// `stop`, after so many milliseconds. Results: texels, each the `code` of its light in [0, 1]; milliseconds on the device.
+    /// Draws the segments with the images of the picture's program, and multiplies along the rays. `stop` receives the
+    /// milliseconds on the device. Returns the texels, each the `code` of a transmittance in [0, 1], and the
+    /// milliseconds on the device.
     fn cast<T: Clone>(
         &mut self,
         gpu: &Gpu,

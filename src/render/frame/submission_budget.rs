@@ -1,35 +1,35 @@
-//! How the work of a picture is cut into submissions, and where it may end.
+//! Sizes of submissions, and the points at which a picture may be stopped.
 //!
-//! Role: what submissions have taken -> how many samples the next one may hold. Invariant: a submission holds no more than
-//! what takes [`SUBMISSION_MS`] where it is as dear as the dearest of this picture and of the one before; where nothing is
-//! known, it holds few, and never [`GROWTH`] times as many as the one before.
+//! Role: predicts from past submissions how many samples the next one may hold. Invariant: a submission takes at most
+//! [`SUBMISSION_MS`] at the highest cost per sample of this picture and the previous one. Without measurements it is
+//! small, and it never holds more than [`GROWTH`] times the samples of its predecessor.
 
 use crate::render::error::RenderError;
 
-/// A submission should take about this many milliseconds. Shorter: the fixed cost of one shows. Longer: a desktop that
-/// shares the device stutters, and after two seconds it resets it; a hand that moves waits for as long.
+/// Target time of a submission, milliseconds. Lower: the fixed cost shows. Higher: a desktop on this device stutters
+/// (and resets it after two seconds), and interaction lags.
 pub const SUBMISSION_MS: f64 = 25.0;
-/// A submission holds at most this many times the samples of the one before. More: what is empty says too much of what
-/// follows.
+/// Largest growth from one submission to the next. Higher: empty regions predict too little cost for the following
+/// ones.
 pub const GROWTH: f64 = 4.0;
-/// Samples of the first submission ever. More: the slowest modules on the slowest devices take too long. Fewer: the fixed
+/// Samples of the first submission. Higher: too slow for the slowest modules on the slowest devices. Lower: the fixed
 /// cost shows.
 pub const FIRST: f64 = 65_536.0;
-/// Submissions that take less than this, milliseconds, say nothing of what a sample costs: their fixed cost is as large.
+/// Shortest time that measures the cost of a sample, milliseconds; below, the fixed cost dominates.
 const TELLING_MS: f64 = 0.15 * SUBMISSION_MS;
 
-/// How many samples submissions of a program hold, by what those before have taken.
+/// Number of samples in the next submission of a program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SubmissionBudget {
     next: f64,
-    /// Milliseconds of a sample where it is dearest: in the picture before, or so far in this one.
+    /// Highest cost of a sample in the previous picture or so far in this one, milliseconds.
     dearest: Option<f64>,
-    /// The same in this picture alone.
+    /// Highest cost of a sample in this picture, milliseconds.
     seen: Option<f64>,
-    /// Samples of its largest submission that took too little to say what a sample costs.
+    /// Samples of the largest submission that was too short to measure.
     light: f64,
     is_new: bool,
-    /// Samples of every submission, whatever it takes.
+    /// Fixed size of every submission.
     #[cfg(test)]
     fixed: Option<f64>,
 }
@@ -49,13 +49,13 @@ impl Default for SubmissionBudget {
 }
 
 impl SubmissionBudget {
-    /// Submissions of so many samples each.
+    /// Budget with submissions of a fixed size.
     #[cfg(test)]
     pub(crate) fn fixed(samples: f64) -> SubmissionBudget {
         SubmissionBudget { fixed: Some(samples), ..SubmissionBudget::default() }
     }
 
-    /// Begins a picture; whether it is the first.
+    /// Starts a picture; returns whether it is the first.
     pub fn begin(&mut self) -> bool {
         let most = (self.light > 0.0).then_some(TELLING_MS / self.light);
         self.dearest = self.seen.take().or(self.dearest.map(|dearest| most.map_or(dearest, |most| dearest.min(most))));
@@ -63,7 +63,7 @@ impl SubmissionBudget {
         std::mem::replace(&mut self.is_new, false)
     }
 
-    /// How many samples the next submission may hold.
+    /// Largest number of samples in the next submission.
     pub fn samples(&self) -> f64 {
         #[cfg(test)]
         if let Some(samples) = self.fixed {
@@ -72,7 +72,7 @@ impl SubmissionBudget {
         self.dearest.map_or(self.next, |dearest| self.next.min(SUBMISSION_MS / dearest))
     }
 
-    /// A submission of so many samples has taken so many milliseconds.
+    /// Records the samples and milliseconds of a submission.
     pub fn took(&mut self, samples: f64, ms: f64) {
         let asked = self.samples().max(samples);
         if ms >= TELLING_MS {
@@ -82,17 +82,17 @@ impl SubmissionBudget {
         } else {
             self.light = self.light.max(samples);
         }
-        // What ends with the picture says that more is too much, not that more would do.
+        // A partial submission at the end of a picture can only lower the estimate.
         let most = if samples < 0.5 * asked { 1.0 } else { GROWTH };
         self.next = asked * (SUBMISSION_MS * samples / asked / ms.max(1e-3)).min(most);
     }
 }
 
-/// How a picture is cut into submissions, and whether it goes on.
+/// Control over the submissions of a picture.
 pub struct SubmissionControl<'a> {
-    /// What those before have taken.
+    /// Sizes of submissions.
     pub pace: &'a mut SubmissionBudget,
-    /// Whether the picture ends unfinished, after so many milliseconds on the device; asked before each submission.
+    /// Whether the picture ends unfinished; called before each submission with the milliseconds on the device.
     pub stop: &'a dyn Fn(f64) -> bool,
 }
 
@@ -106,7 +106,8 @@ impl SubmissionControl<'_> {
 mod tests {
     use super::*;
 
-    /// Submissions of a picture whose samples cost what `cost` says of how much of it is done: samples and milliseconds.
+    /// Submissions of a picture as pairs of samples and milliseconds; `cost` maps the finished share to the cost of a
+    /// sample.
     fn picture(pace: &mut SubmissionBudget, samples: f64, cost: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
         pace.begin();
         let (mut done, mut all) = (0.0, Vec::new());

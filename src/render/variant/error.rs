@@ -4,7 +4,7 @@ use super::reflect::ReflectError;
 use crate::scene::SceneError;
 use crate::shader::{LibraryError, LinkError};
 
-/// Why there is no program for a scene.
+/// Error of linking the program of a scene.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum VariantError {
@@ -17,7 +17,7 @@ pub enum VariantError {
     /// The program cannot be linked.
     #[error(transparent)]
     Link(#[from] LinkError),
-    /// The linked program cannot be read back.
+    /// The linked program cannot be reflected.
     #[error(transparent)]
     Reflect(#[from] ReflectError),
 }

@@ -1,7 +1,7 @@
-//! Variants: the program that a scene needs, and nothing else.
+//! Variants: the minimal program of a scene.
 //!
-//! Role: scene -> chosen modules -> SPIR-V with its live bindings. Invariant: [`Variant::of`] is pure, and what the
-//! scene does not reach is neither in the program nor in its layout; [`Program::left_out`] says so.
+//! Role: scene -> chosen modules -> SPIR-V with its live bindings. Invariant: [`Variant::of`] is pure, and unreached
+//! parts are neither in the program nor in its layout; [`Program::left_out`] lists them.
 
 mod error;
 mod linked;

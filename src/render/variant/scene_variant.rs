@@ -10,44 +10,44 @@ use crate::shader::{Library, LinkError, Linker, Parameter, Slots};
 use std::collections::BTreeMap;
 use std::iter;
 
-/// The entry files of the program that gives the shadow volume.
+/// Entry files of the shadow volume.
 const SHADOW_ENTRIES: [&str; 2] = ["march.vert", "shadow.frag"];
-/// The entry files of the program that hands the light from slice to slice.
+/// Entry files of half-angle light.
 const LIGHT_ENTRIES: [&str; 2] = ["light.vert", "light.frag"];
-/// The entry files of the program that gives one sample.
+/// Entry files of a single sample.
 const PROBE_ENTRIES: [&str; 2] = ["march.vert", "probe.frag"];
-/// The entry files of the program that says where there is matter.
+/// Entry files of the emptiness of cells.
 const CELL_ENTRIES: [&str; 2] = ["march.vert", "cell.frag"];
-/// The entry files of the program that gives the depth of a picture.
+/// Entry files of the depth of a picture.
 const DEPTH_ENTRIES: [&str; 2] = ["march.vert", "depth.frag"];
-/// What programs of shadows and depth have in place of the modules that color and light matter.
+/// Replacements, in programs of shadows and depth, of modules that color and light matter.
 const SHADOW_SLOTS: [(&str, &str); 4] =
     [("surface", "unlit"), ("medium", "material"), ("shadow", "none"), ("gradient", "analytic")];
 
 /// The modules of a scene's program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variant {
-    /// The files of the library that the program starts from: vertex stage, fragment stage.
+    /// Entry files in the library: vertex stage, fragment stage.
     pub entries: [&'static str; 2],
-    /// The slots that the program reaches, with the modules that fill them.
+    /// The slots that the program reaches, with their modules.
     pub slots: Slots,
-    /// The parameters that those modules declare, with their values; without those of additional objects.
+    /// Parameters of these modules with their values, except those of additional objects.
     pub parameters: Parameters,
-    /// The parameters of each additional object, by its name.
+    /// Parameters of each additional object, by its name.
     pub parts: BTreeMap<String, Parameters>,
-    /// Octaves that its turbulence has.
+    /// Effective octaves of the turbulence.
     pub octaves: u32,
-    /// After how many cells its procedural noise repeats, and the octaves of its procedural turbulence.
+    /// Period of the procedural noise in cells, and period of the procedural turbulence.
     pub periods: [Period; 2],
-    /// Whether a sample asks for hard matter between it and the one before, a step nearer to the eye.
+    /// Whether a sample searches for hard matter back to the previous sample.
     pub looks_back: bool,
 }
 
 impl Variant {
-    /// The modules that `scene` needs out of `library`.
+    /// Selects the modules that `scene` needs out of `library`.
     ///
     /// # Errors
-    /// What [`Scene::check`] finds.
+    /// Those of [`Scene::check`].
     pub fn of(scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
         let parameters = scene.check(library)?;
         let entries = scene.entries();
@@ -62,7 +62,7 @@ impl Variant {
                 _ => library.object_declarations(name, &choice)?.needs_normal,
             };
             let own = if name.is_empty() { scene.clone() } else { scene.alone(name) };
-            // A boolean may turn the normal of any of its operands into that of the whole.
+            // A boolean may pass the normal of any operand on.
             choice.insert(slot(name), vec![object_module(&own, needs_normal || scene.has_several()).into()]);
         }
         if scene.quality.neutral == Neutral::LeaveOut {
@@ -75,25 +75,25 @@ impl Variant {
         Ok(Variant { entries, slots, parameters, parts, octaves, periods, looks_back })
     }
 
-    /// Whether its rays wait for what others find.
-    pub(super) fn uses_two_phase(&self) -> bool {
+    /// Whether rays find matter in a first phase and shade it in a second, which waits for the other rays of a group.
+    pub(crate) fn uses_two_phase(&self) -> bool {
         self.module("empty_space") == Some("skip")
     }
 
-    /// The same, as a device draws it soonest: on a GPU, which skips branches that none of its rays takes, soft matter is
-    /// not found before it is shaded, since its density would be asked for twice. An H100 draws fire in 3.1 ms so in place
-    /// of 4.4 and flow in 2.7 in place of 4.7; hard matter, which is shaded once a ray, takes longer: lit 0.2 in place of 0.12.
+    /// The fastest variant for a device. GPUs skip branches that no ray of a group takes, and shade soft matter
+    /// directly: finding it first evaluates the density twice (H100: fire 3.1 ms instead of 4.4, flow 2.7 instead of
+    /// 4.7). Hard matter is shaded once a ray and stays in two phases (lit 0.12 ms instead of 0.2).
     pub fn for_device(self, on_processor: bool) -> Variant {
         if self.is_hard() || on_processor { self } else { self.without_two_phase() }
     }
 
-    /// Whether the matter of every object begins at a surface, at once.
-    pub(super) fn is_hard(&self) -> bool {
+    /// Whether all objects have hard surfaces.
+    pub(crate) fn is_hard(&self) -> bool {
         self.softness().all(|name| name == "hard")
     }
 
-    /// Whether a warp moves what is looked up of any object.
-    pub(super) fn has_warps(&self) -> bool {
+    /// Whether a warp of any object moves lookups.
+    pub(crate) fn has_warps(&self) -> bool {
         self.slots.iter().any(|(key, names)| slot_of(key) == "warp" && !names.is_empty())
     }
 
@@ -101,8 +101,8 @@ impl Variant {
         self.slots.iter().filter(|(key, _)| slot_of(key) == "softness").flat_map(|(_, names)| names)
     }
 
-    /// The same, with rays that do not.
-    pub(super) fn without_two_phase(&self) -> Variant {
+    /// The variant that finds and shades matter in one phase.
+    pub(crate) fn without_two_phase(&self) -> Variant {
         let mut variant = self.clone();
         if self.uses_two_phase() {
             variant.slots.insert("empty_space".into(), vec!["leap".into()]);
@@ -110,8 +110,7 @@ impl Variant {
         variant
     }
 
-    /// The modules that give the shadow volume of the same scene: those of its matter, without what colors it. Such a
-    /// program reads no image that the picture's does not.
+    /// Modules of the shadow volume: matter without color. The program reads no image that the picture's does not.
     ///
     /// # Errors
     /// A module is missing, which [`Variant::of`] excludes.
@@ -119,7 +118,7 @@ impl Variant {
         self.of_light(scene, library, SHADOW_ENTRIES)
     }
 
-    /// The modules that hand the light from slice to slice, where the slices lie half way between eye and light.
+    /// Modules of half-angle light.
     ///
     /// # Errors
     /// As [`Variant::shadow`].
@@ -127,7 +126,7 @@ impl Variant {
         self.of_light(scene, library, LIGHT_ENTRIES)
     }
 
-    /// The modules that say whether there is matter at a place: as those of the shadow.
+    /// Modules of the emptiness of cells, which are those of the shadow.
     ///
     /// # Errors
     /// As [`Variant::shadow`].
@@ -135,11 +134,11 @@ impl Variant {
         self.of_light(scene, library, CELL_ENTRIES)
     }
 
-    /// The same with another module in the slot of opacity.
+    /// Modules of the emptiness of cells with another opacity module.
     ///
     /// # Errors
     /// As [`Variant::shadow`].
-    pub(super) fn cells_by(&self, opacity: &str, scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
+    pub(crate) fn cells_by(&self, opacity: &str, scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
         let mut variant = self.cells(scene, library)?;
         if let Some(names) = variant.slots.get_mut("opacity") {
             *names = vec![opacity.into()];
@@ -154,7 +153,7 @@ impl Variant {
         self.of_matter(&scene, library, entries)
     }
 
-    /// The modules that give the depth of a picture of a scene by rays, as those of the shadow: it takes the same samples.
+    /// Modules of the depth of a picture by rays, which takes the picture's samples.
     ///
     /// # Errors
     /// As [`Variant::shadow`].
@@ -170,18 +169,18 @@ impl Variant {
         for (key, names) in &mut choice {
             let slot = slot_of(key);
             if slot == "medium" && library.has_extinction(names) {
-                continue; // how opaque the matter is
+                continue; // it sets the opacity of matter
             }
             if let Some((_, module)) = SHADOW_SLOTS.iter().find(|(other, _)| *other == slot) {
                 *names = vec![module.to_string()];
             } else if slot == "cells" {
-                // A shadow reads no image that the picture does not, and octaves that fade fade there with other steps.
+                // A shadow reads no image that the picture does not, and its steps fade octaves differently.
                 let own = self.slots.get("cells").filter(|_| !fades);
                 *names = own.cloned().unwrap_or_else(|| vec!["none".into()]);
             } else if slot == "empty_space" && names == &["skip"] && !scene.may_find_first(library) {
                 *names = vec!["leap".into()];
             } else if slot == "filter" && entries == CELL_ENTRIES {
-                *names = vec!["device".into()]; // which is asked for bounds of its texels, not for a sample
+                *names = vec!["device".into()]; // bounds of texels, not samples
             } else if is_light && slot == "storage" && names == &["anisotropic"] {
                 *names = vec!["dense".into()]; // a sample of the light is wider than a pixel
             }
@@ -189,7 +188,7 @@ impl Variant {
         Ok(Variant { entries, slots: library.needed(&entries, &choice)?, ..self.clone() })
     }
 
-    /// The modules that give one sample of a ray of the same scene, anywhere on it: what a picture is the integral of.
+    /// Modules of a single sample anywhere on a ray: the integrand of a picture.
     ///
     /// # Errors
     /// A module is missing, which [`Variant::of`] excludes.
@@ -199,7 +198,7 @@ impl Variant {
         Ok(Variant { entries: PROBE_ENTRIES, slots: library.needed(&PROBE_ENTRIES, &choice)?, ..self.clone() })
     }
 
-    /// The modules of the same scene that give the entries of a table: `entry` is the fragment stage.
+    /// Modules of a table; `entry` is the fragment stage.
     ///
     /// # Errors
     /// A module is missing, which [`Variant::of`] excludes.
@@ -208,14 +207,14 @@ impl Variant {
         Ok(Variant { entries, slots: library.needed(&entries, &self.slots)?, ..self.clone() })
     }
 
-    /// What other programs of the same scene share: the modules that sample the objects, by slot, and what is 0.
+    /// Slots that all programs of a scene share: modules that sample the objects, and parameters of 0.
     fn kept(&self) -> impl Iterator<Item = (String, Vec<String>)> {
         let is_kept = |key: &String| key == "object" || key.ends_with(".object") || key == ZERO;
         let own = self.slots.iter().filter(move |(key, _)| is_kept(key));
         own.map(|(key, names)| (key.clone(), names.clone()))
     }
 
-    /// The module that fills a slot; `None` where the program does not reach it or its stack is empty.
+    /// The module in a slot; `None` if the program does not reach the slot or its stack is empty.
     pub fn module(&self, slot: &str) -> Option<&str> {
         self.slots.get(slot)?.first().map(String::as_str)
     }
@@ -225,14 +224,14 @@ impl Variant {
         self.slots.keys().any(|key| slot_of(key) == slot)
     }
 
-    /// Whether the file is among those that the program is linked from.
+    /// Whether the program is linked from a file.
     pub fn reaches(&self, library: &Library, path: &str) -> bool {
         let own = library.files_reached(&self.entries, &self.slots);
         let of_parts = objects(&self.slots).into_iter().map(|object| library.object_files(object, &self.slots));
         iter::once(own).chain(of_parts).flatten().flatten().any(|file| file.split('#').next() == Some(path))
     }
 
-    /// Whether the program reads the closest points of the object.
+    /// Whether the program reads the closest points of the main object.
     pub fn reads_closest(&self) -> bool {
         self.module("project") == Some("closest")
     }
@@ -242,7 +241,7 @@ impl Variant {
         self.module(&format!("{name}.project")) == Some("closest")
     }
 
-    /// Every parameter of the scene with its value, under the name that `--set` knows it by: that of an additional object is
+    /// All parameters of the scene with their values, named as for `--set`: those of an additional object are
     /// `parts.OBJECT.PARAMETER`.
     pub fn all_parameters(&self) -> impl Iterator<Item = (String, &Parameter, &ParameterValue)> {
         let further = self.parts.iter().map(|(part, parameters)| (format!("parts.{part}."), parameters));
@@ -252,16 +251,16 @@ impl Variant {
         })
     }
 
-    /// The name of the program: its slots and modules.
+    /// Name of the program: its slots and modules.
     pub fn key(&self) -> String {
         self.slots.iter().map(|(slot, names)| format!("{slot}={}", names.join("+"))).collect::<Vec<_>>().join(" ")
     }
 
-    /// The linked program: the one that ships, if `library` is the shipped one and has it, else one from the disk, else
-    /// linked here. `linker` is called only for that.
+    /// The linked program: the shipped one if `library` is as shipped and has it, else from the disk cache, else linked
+    /// here. `linker` is called only to link.
     ///
     /// # Errors
-    /// What glslang says about a module.
+    /// The messages of glslang on a module.
     pub fn program(
         &self,
         library: &Library,
@@ -269,7 +268,7 @@ impl Variant {
     ) -> Result<Program, VariantError> {
         let key = self.key();
         let ships = SHIPPED_PROGRAMS.binary_search_by(|program| program.0.cmp(&key)).ok();
-        let ships = ships.filter(|_| self.entries != DEPTH_ENTRIES); // a picture has the same modules
+        let ships = ships.filter(|_| self.entries != DEPTH_ENTRIES); // shares its modules with a picture
         let shipped = ships.filter(|_| *library == crate::shader::shipped()).and_then(|index| {
             let (_, vertex, fragment) = SHIPPED_PROGRAMS[index];
             Some([program::words(vertex).ok()?, program::words(fragment).ok()?])
@@ -282,17 +281,17 @@ impl Variant {
         Program::of(vertex, fragment, is_shipped)
     }
 
-    /// The program with all that its text says, such as loops without an end, which an optimizer may take away.
+    /// The unoptimized program, in which endless loops remain.
     ///
     /// # Errors
     /// As [`Variant::program`].
-    pub(super) fn unoptimized(&self, library: &Library) -> Result<Program, VariantError> {
+    pub(crate) fn unoptimized(&self, library: &Library) -> Result<Program, VariantError> {
         let [vertex, fragment] = self.linked(library, false, || Linker::new().map(Linker::unoptimized))?;
         Program::of(vertex, fragment, false)
     }
 }
 
-/// What is 0 of an object of a scene, of which `own` is the scene of that object alone.
+/// Names of zero parameters and members of an object; `own` is the scene reduced to this object.
 fn zero(own: &Scene, object: &str, parameters: &Parameters) -> Vec<String> {
     let is_zero = |value: &ParameterValue| *value == ParameterValue::Number(0.0);
     let parameters = parameters.iter().filter(|(_, value)| is_zero(value)).map(|(own, _)| own.name.as_str());
@@ -316,7 +315,7 @@ fn object_module(scene: &Scene, needs_normal: bool) -> &str {
     }
 }
 
-/// The slot of a key, which an additional object's name may come before.
+/// Slot of a key, without the prefix of an additional object.
 pub fn slot_of(key: &str) -> &str {
     key.rsplit('.').next().unwrap_or(key)
 }

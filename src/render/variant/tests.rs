@@ -1,4 +1,4 @@
-//! Which program a scene needs, and what it is linked from.
+//! Programs of scenes and their inputs.
 
 use super::{Program, Use, Variant};
 use crate::scene::{EFFECTS, Scene, preset};
