@@ -3,12 +3,11 @@
 //! Invariant: the density is that of the scene's program, evaluated by [`eval`](crate::eval) in f64, so that no formula
 //! is written twice. Blocks of samples are skipped only if bounds prove their side of the surface.
 
+use super::error::PolygonizeError;
 use super::program::{Density, DensityProgram};
 use crate::eval::ExactError;
 use crate::field::{LevelSet, Progress};
-use crate::render::error::RenderError;
 use crate::render::subject::Subject;
-use crate::render::variant::VariantError;
 use crate::scene::{Object, Scene};
 use crate::shader::Library;
 use crate::shape::Mesh;

@@ -16,6 +16,6 @@ pub use depth::check_depth;
 pub(crate) use early_exit::OpaqueMask;
 #[cfg(test)]
 pub(crate) use pass::stack;
-pub use pixels::put;
+pub use pixels::paste_areas;
 pub use renderer::{Renderer, render};
 pub use shadow::{Transmittance, transmittance};
