@@ -50,7 +50,7 @@ pub(super) fn decider(library: &Library, shot: &FrameContext<'_>, pays: impl Fn(
         let (_, image) = images.iter().find(|(own, _)| *own == binding)?;
         let bits = 8 * image.format.bytes() as u32 / image.format.channels();
         let (name, channels, bytes) = (image.name.into(), image.format.channels(), image.bytes().len() as u64);
-        Some(Read { name, size: image.dimension.size(), channels, bits, bytes })
+        Some(ImageInfo { name, size: image.dimension.size(), channels, bits, bytes })
     };
     let mut decider = CellProver::new(library, shot, &image_of, pays).unwrap();
     decider.wait(&|| false).unwrap();
