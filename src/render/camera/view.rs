@@ -25,6 +25,7 @@ const STACK_TURN: f32 = 62.0;
 pub(crate) const FLATTEST: f32 = 0.17;
 
 /// Matrices and bounds of a scene.
+#[derive(Clone)]
 pub(crate) struct View {
     pub(crate) projection: Mat4,
     pub(crate) object_matrix: Mat4,
@@ -52,6 +53,7 @@ pub(crate) struct View {
 }
 
 /// Placement and bounds of one object.
+#[derive(Clone)]
 pub(crate) struct ObjectView {
     /// Name in the scene; empty for the main object.
     pub(crate) name: String,

@@ -9,9 +9,6 @@ use crate::gpu::{Gpu, Image, Uploads};
 use crate::render::camera::FrameContext;
 use crate::render::error::RenderError;
 use crate::render::inputs::{ImageInfo, TIME, Values};
-use crate::render::subject::Subject;
-use crate::render::variant::Variant;
-use crate::scene::Scene;
 use crate::shader::Library;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -58,10 +55,7 @@ struct Proven {
 /// Input of the proof thread.
 struct Job {
     library: Library,
-    subject: Subject,
-    variant: Variant,
-    scene: Scene,
-    whole: [u32; 2],
+    frame: FrameContext,
     values: Values,
     times: [f32; 2],
     /// Images of the picture's program, by binding name.
@@ -80,7 +74,7 @@ impl BackgroundCells {
     pub(crate) fn image(
         &mut self,
         gpu: &Gpu,
-        shot: &FrameContext<'_>,
+        frame: &FrameContext,
         values: &Values,
         images: impl FnOnce() -> BTreeMap<String, ImageInfo>,
         uploads: &Uploads,
@@ -88,11 +82,11 @@ impl BackgroundCells {
         self.take();
         let time = values.get(TIME).and_then(|time| time.first()).copied().unwrap_or_default();
         let rests = self.last.replace(time) == Some(time);
-        let holds = |proven: &Proven| proven.holds(shot, values, time);
+        let holds = |proven: &Proven| proven.holds(frame, values, time);
         let held = self.proven.as_ref().map(holds).transpose()?.unwrap_or(false);
         if !held || rests && self.proven.as_ref().is_some_and(|proven| !proven.is_best) {
             let times = if rests { [time; 2] } else { [time - AROUND, time + AROUND] };
-            self.start(gpu, shot, values, times, images);
+            self.start(gpu, frame, values, times, images);
         }
         let Some(proven) = self.proven.as_mut().filter(|_| held) else { return Ok(None) };
         if proven.image.is_none() && !proven.texels.is_empty() {
@@ -132,7 +126,7 @@ impl BackgroundCells {
     fn start(
         &mut self,
         gpu: &Gpu,
-        shot: &FrameContext<'_>,
+        frame: &FrameContext,
         values: &Values,
         times: [f32; 2],
         images: impl FnOnce() -> BTreeMap<String, ImageInfo>,
@@ -143,17 +137,14 @@ impl BackgroundCells {
             _ => return,
         };
         let is_cpu = gpu.info().cpu;
-        if side(is_cpu, shot, texels, false, SHARED) == 0 {
+        if side(is_cpu, frame, texels, false, SHARED) == 0 {
             return;
         }
         let unmade = ProverThread::Idle(CellProver::Idle(texels));
         let ProverThread::Idle(decider) = std::mem::replace(&mut self.prover, unmade) else { return };
         let job = Job {
             library: self.library.clone(),
-            subject: shot.subject.clone(),
-            variant: shot.variant.clone(),
-            scene: shot.scene.clone(),
-            whole: shot.whole,
+            frame: frame.clone(),
             values: values.clone(),
             times,
             images: images(),
@@ -170,9 +161,9 @@ impl BackgroundCells {
 
 impl Proven {
     /// Whether the cells are valid for a picture at a time.
-    fn holds(&self, shot: &FrameContext<'_>, values: &Values, time: f32) -> Result<bool, RenderError> {
+    fn holds(&self, frame: &FrameContext, values: &Values, time: f32) -> Result<bool, RenderError> {
         let is_then = self.times[0] <= time && time <= self.times[1];
-        let is_there = self.boxes.hold_for(&CellGrid::of(shot, self.boxes.side));
+        let is_there = self.boxes.hold_for(&CellGrid::of(frame, self.boxes.side));
         Ok(is_then && is_there && self.reads.timeless(values)? == self.timeless)
     }
 }
@@ -184,15 +175,15 @@ impl Job {
         mut decider: CellProver,
         stop: &dyn Fn() -> bool,
     ) -> Result<(CellProver, Option<Proven>), RenderError> {
-        let shot = FrameContext { whole: self.whole, ..FrameContext::of(&self.scene, &self.subject, &self.variant) };
-        let side_of = |texels| side(self.is_cpu, &shot, texels, false, SHARED);
+        let frame = &self.frame;
+        let side_of = |texels| side(self.is_cpu, frame, texels, false, SHARED);
         if let CellProver::Idle(_) = decider {
             let image_of = |name: &str| self.images.get(name).cloned();
-            decider = CellProver::new(&self.library, &shot, &image_of, |texels| side_of(texels) > 0)?;
+            decider = CellProver::new(&self.library, frame, &image_of, |texels| side_of(texels) > 0)?;
         }
         decider.wait(stop)?;
         let CellProver::Ready(bounded) = &mut decider else { return Ok((decider, None)) };
-        let boxes = CellGrid::of(&shot, side_of(bounded.texels)).wider(FARTHER);
+        let boxes = CellGrid::of(frame, side_of(bounded.texels)).wider(FARTHER);
         if boxes.side == 0 {
             return Ok((decider, None));
         }

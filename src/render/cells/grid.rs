@@ -105,13 +105,13 @@ impl EmptyCells {
     }
 
     /// Whether the prover of a picture is ready or does not pay.
-    pub(crate) fn are_decided(&self, gpu: &Gpu, shot: &FrameContext<'_>) -> bool {
-        if !serve(shot, &self.library) {
+    pub(crate) fn are_decided(&self, gpu: &Gpu, frame: &FrameContext) -> bool {
+        if !serve(frame, &self.library) {
             return true;
         }
         match self.decider {
             CellProver::Idle(texels) | CellProver::Loading(texels, _) => {
-                side(gpu.info().cpu, shot, texels, self.is_first, 1) == 0
+                side(gpu.info().cpu, frame, texels, self.is_first, 1) == 0
             }
             CellProver::Ready(_) | CellProver::Unavailable(_) => true,
         }
@@ -122,22 +122,22 @@ impl EmptyCells {
     pub(crate) fn update(
         &mut self,
         gpu: &Gpu,
-        shot: &FrameContext<'_>,
+        frame: &FrameContext,
         values: &Values,
         image_of: &dyn Fn(&str) -> Option<ImageInfo>,
         stop: &dyn Fn() -> bool,
     ) -> Result<(), RenderError> {
         let start = Instant::now();
-        self.serve = serve(shot, &self.library);
+        self.serve = serve(frame, &self.library);
         if !self.serve {
             return Ok(());
         }
         let is_first = std::mem::replace(&mut self.is_first, false);
-        let side_of = |texels, pictures| side(gpu.info().cpu, shot, texels, is_first, pictures);
+        let side_of = |texels, pictures| side(gpu.info().cpu, frame, texels, is_first, pictures);
         if let CellProver::Idle(texels) = self.decider
             && side_of(texels, 1) > 0
         {
-            self.decider = CellProver::new(&self.library, shot, image_of, |texels| side_of(texels, 1) > 0)?;
+            self.decider = CellProver::new(&self.library, frame, image_of, |texels| side_of(texels, 1) > 0)?;
         }
         if let CellProver::Loading(texels, _) = self.decider
             && side_of(texels, 1) > 0
@@ -148,7 +148,7 @@ impl EmptyCells {
         let (key, empty) = match &mut self.decider {
             CellProver::Idle(_) | CellProver::Loading(..) => few(),
             CellProver::Unavailable(why) => (None, Err(why.clone())),
-            CellProver::Ready(bounded) => match CellGrid::of(shot, side_of(bounded.texels, self.span.shared())) {
+            CellProver::Ready(bounded) => match CellGrid::of(frame, side_of(bounded.texels, self.span.shared())) {
                 CellGrid { side: 0, .. } => few(),
                 last => {
                     let is_of = |boxes: &CellGrid| self.key.as_ref().is_some_and(|(_, of)| of == boxes);
@@ -158,10 +158,10 @@ impl EmptyCells {
                         return Ok(());
                     }
                     let read = bounded.fill(values, [time; 2])?;
-                    let camera = &shot.scene.camera;
+                    let camera = &frame.scene.camera;
                     let end = (camera.time + f64::from(camera.shutter)) as f32;
                     let times = self.span.next(&timeless, time, end);
-                    let boxes = CellGrid::of(shot, side_of(bounded.texels, self.span.to_share(times)));
+                    let boxes = CellGrid::of(frame, side_of(bounded.texels, self.span.to_share(times)));
                     if is_of(&boxes) && self.key.as_ref().is_some_and(|(before, _)| *before == read) {
                         return Ok(());
                     }
@@ -199,10 +199,10 @@ impl EmptyCells {
     }
 
     /// Tiles of the picture's slices, within some areas.
-    pub(crate) fn tiles(&self, shot: &FrameContext<'_>, within: &[Area]) -> Tiles {
+    pub(crate) fn tiles(&self, frame: &FrameContext, within: &[Area]) -> Tiles {
         match &self.key {
             Some((_, boxes)) if self.serve && !self.empty.is_empty() => {
-                slice_tiles::tiles(shot, boxes, &self.empty, within)
+                slice_tiles::tiles(frame, boxes, &self.empty, within)
             }
             _ => Tiles::everywhere(within),
         }
@@ -223,8 +223,8 @@ pub fn link(variant: &Variant, scene: &Scene, library: &Library) -> Result<(), V
 }
 
 /// Whether a picture is drawn faster with known empty cells: by all rays whose program asks for them.
-fn serve(shot: &FrameContext<'_>, library: &Library) -> bool {
-    shot.scene.quality.pass == Pass::March || shot.scene.has_tiles(library)
+fn serve(frame: &FrameContext, library: &Library) -> bool {
+    frame.scene.quality.pass == Pass::March || frame.scene.has_tiles(library)
 }
 
 /// Uploads a cube of cells, each with its distance to one that may hold matter.
@@ -234,11 +234,11 @@ pub(crate) fn image(gpu: &Gpu, uploads: &Uploads, side: u32, texels: &[u8]) -> R
 
 /// Cells along a side that pay for a picture, given the texels that bounds read and the number of `pictures` that share
 /// the proofs; 0 if none pay.
-pub(super) fn side(is_cpu: bool, shot: &FrameContext<'_>, texels: u64, is_first: bool, pictures: u32) -> u32 {
-    let scene = shot.scene;
-    let [width, height] = shot.whole.map(f64::from);
+pub(super) fn side(is_cpu: bool, frame: &FrameContext, texels: u64, is_first: bool, pictures: u32) -> u32 {
+    let scene = &frame.scene;
+    let [width, height] = frame.whole.map(f64::from);
     let samples =
-        width * height * f64::from(shot.planes.count) * f64::from(scene.quality.supersampling) * unskipped(shot);
+        width * height * f64::from(frame.planes.count) * f64::from(scene.quality.supersampling) * unskipped(frame);
     let of_a_cell = if is_cpu { SAMPLES } else { SAMPLES_OF_A_GPU };
     // Sub-frames of an exposure count as samples.
     let shared = if scene.camera.shutter > 0.0 { 1 } else { pictures.min(SHARED) };
@@ -253,18 +253,18 @@ pub(super) fn side(is_cpu: bool, shot: &FrameContext<'_>, texels: u64, is_first:
 }
 
 /// Estimated share of samples that the distance field does not skip; slices skip none by it.
-fn unskipped(shot: &FrameContext<'_>) -> f64 {
-    if shot.scene.quality.pass == Pass::Slices {
+fn unskipped(frame: &FrameContext) -> f64 {
+    if frame.scene.quality.pass == Pass::Slices {
         return 1.0;
     }
-    let near = shot.view.objects.iter().map(|own| {
+    let near = frame.view.objects.iter().map(|own| {
         let inner_iso = match own.name.as_str() {
-            "" => shot.scene.object.inner_iso,
-            name => shot.scene.parts[name].object.inner_iso,
+            "" => frame.scene.object.inner_iso,
+            name => frame.scene.parts[name].object.inner_iso,
         };
         own.scale * (own.spread.moves.span() + own.outer_iso - inner_iso)
     });
-    f64::from((near.fold(0.0, f32::max) / shot.view.extent.radius).min(1.0))
+    f64::from((near.fold(0.0, f32::max) / frame.view.extent.radius).min(1.0))
 }
 
 /// Chebyshev distance of each cell to the nearest one that may hold matter.

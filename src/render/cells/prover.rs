@@ -102,15 +102,15 @@ impl CellProver {
     /// Starts the loading of a prover if it `pays` to read its number of texels.
     pub(super) fn new(
         library: &Library,
-        shot: &FrameContext<'_>,
+        frame: &FrameContext,
         image_of: &dyn Fn(&str) -> Option<ImageInfo>,
         pays: impl Fn(u64) -> bool,
     ) -> Result<CellProver, RenderError> {
-        let (program, noise) = match deciding(shot.variant, shot.scene, library) {
+        let (program, noise) = match deciding(&frame.variant, &frame.scene, library) {
             Ok(deciding) => deciding,
             Err(error) => return Ok(CellProver::Unavailable(error.to_string())),
         };
-        let octaves = [(OCTAVES_ID, shot.scene.effect.octaves)];
+        let octaves = [(OCTAVES_ID, frame.scene.effect.octaves)];
         let code = match eval::Program::read_channel(&program.fragment, &octaves, (0, 3)) {
             Ok(code) => code,
             Err(error) => return Ok(CellProver::Unavailable(error.to_string())),
@@ -132,12 +132,8 @@ impl CellProver {
         if !pays(texels) {
             return Ok(CellProver::Idle(texels));
         }
-        let (library, subject, variant) = (library.clone(), shot.subject.clone(), shot.variant.clone());
-        let (scene, whole) = (shot.scene.clone(), shot.whole);
-        let read = move || {
-            let shot = FrameContext { whole, ..FrameContext::of(&scene, &subject, &variant) };
-            BoundedProgram::new(&library, &shot, (program, code, outline), (texels, noise))
-        };
+        let (library, frame) = (library.clone(), frame.clone());
+        let read = move || BoundedProgram::new(&library, &frame, (program, code, outline), (texels, noise));
         Ok(match thread::Builder::new().stack_size(STACK).spawn(read) {
             Ok(thread) => CellProver::Loading(texels, Some(thread)),
             Err(error) => CellProver::Unavailable(format!("no thread reads its images: {error}")),
@@ -166,20 +162,20 @@ impl BoundedProgram {
     /// Encodes the images of a program, without the noise that it looks up.
     fn new(
         library: &Library,
-        shot: &FrameContext<'_>,
+        frame: &FrameContext,
         (mut program, code, outline): (Program, eval::Program, Outline),
         (texels, noise): (u64, Option<Lattice>),
     ) -> Result<BoundedProgram, RenderError> {
         let is_noise = |resource: &&mut Resource| noise.is_some() && resource.name == bounded_noise::LOOKED_UP;
         let place = program.resources.iter_mut().find(is_noise).map(|resource| resource.binding);
         program.resources.retain(|resource| Some(resource.binding) != place);
-        let Inputs { mut images, samplers, .. } = Inputs::new(library, shot, &program, &|_| ())?;
+        let Inputs { mut images, samplers, .. } = Inputs::new(library, frame, &program, &|_| ())?;
         images.retain(|(binding, _)| outline.images.iter().any(|(image, _)| image == binding));
         let mut hash = blake3::Hasher::new();
         hash.update(outline.hash.as_bytes());
         for (binding, image) in &images {
             hash.update(format!("{binding} {:?} {:?}", image.dimension, image.format).as_bytes());
-            hash.update(blake3::hash(image.bytes()).as_bytes());
+            hash.update(blake3::hash(&image.bytes).as_bytes());
         }
         samplers.iter().for_each(|(binding, filter)| {
             hash.update(format!("{binding} {:?}", filter.address).as_bytes());
@@ -316,9 +312,9 @@ fn children(cell: [u32; 3], count: u32) -> impl Iterator<Item = [u32; 3]> {
 }
 
 impl CellGrid {
-    pub(super) fn of(shot: &FrameContext<'_>, side: u32) -> CellGrid {
-        let [low, high] = [shot.view.box_min, shot.view.box_max].map(|end| end.to_array().map(f64::from));
-        let far = f64::from(shot.view.reaches()[1]);
+    pub(super) fn of(frame: &FrameContext, side: u32) -> CellGrid {
+        let [low, high] = [frame.view.box_min, frame.view.box_max].map(|end| end.to_array().map(f64::from));
+        let far = f64::from(frame.view.reaches()[1]);
         let margin = [0, 1, 2].map(|axis| MARGIN * (high[axis] - low[axis]) / f64::from(side.max(1)) + PLACE * far);
         CellGrid { low, high, side, margin }
     }

@@ -19,20 +19,20 @@ const MARGIN: f32 = 1.5;
 const REACH: f32 = 0.75;
 
 /// Tiles in which cells that may hold matter meet the slices of a picture, within some areas.
-pub(super) fn tiles(shot: &FrameContext<'_>, boxes: &CellGrid, empty: &[bool], within: &[Area]) -> Tiles {
-    let (planes, side) = (&shot.planes, boxes.side);
+pub(super) fn tiles(frame: &FrameContext, boxes: &CellGrid, empty: &[bool], within: &[Area]) -> Tiles {
+    let (planes, side) = (&frame.planes, boxes.side);
     let alike = (planes.count / (GROUPS * side)).max(1);
-    let [columns, rows] = shot.scene.image.size.map(|side| side.div_ceil(SIDE) as usize);
+    let [columns, rows] = frame.scene.image.size.map(|side| side.div_ceil(SIDE) as usize);
     let mut marks = vec![vec![false; columns * rows]; planes.count.div_ceil(alike) as usize];
-    let seen = Seen::of(shot);
+    let seen = Seen::of(frame);
     for index in (0..side.pow(3)).filter(|&index| !empty[index as usize]) {
         let cell = boxes.cell([index % side, index / side % side, index / side / side], side);
         let [x, y, z, _] = cell.map(|range| [range.lo as f32, range.hi as f32]);
         let (depths, across, down) = seen.around([x, y, z]);
         let plane = |depth: f32| (depth - planes.first_depth) / planes.step;
-        let behind = REACH + f32::from(u8::from(shot.variant.looks_back));
+        let behind = REACH + f32::from(u8::from(frame.variant.looks_back));
         let met = within_count(plane(depths.start) - REACH + 1.0..plane(depths.end) + behind, planes.count as usize);
-        let drawn = match shot.scene.quality.order {
+        let drawn = match frame.scene.quality.order {
             Order::FrontToBack => met,
             Order::BackToFront => planes.count as usize - met.end..planes.count as usize - met.start,
         };
@@ -65,13 +65,13 @@ struct Seen {
 }
 
 impl Seen {
-    fn of(shot: &FrameContext<'_>) -> Seen {
-        let view = &shot.view;
+    fn of(frame: &FrameContext) -> Seen {
+        let view = &frame.view;
         Seen {
             object_matrix: view.object_matrix,
             projection: view.projection,
             pan: view.pan.into(),
-            size: Vec2::from(shot.scene.image.size.map(|side| side as f32)),
+            size: Vec2::from(frame.scene.image.size.map(|side| side as f32)),
             near: view.extent.near,
         }
     }

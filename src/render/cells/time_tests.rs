@@ -1,14 +1,10 @@
 //! Cells that are empty over a time span are empty at each time in it.
 
-use super::prover::{BoundedProgram, CellGrid, CellProver};
-use super::tests::{decider, drawn};
+use super::prover::CellGrid;
+use super::tests::{Loaded, drawn, loaded};
 use crate::eval;
-use crate::render::camera::{FrameContext, SubFrame};
-use crate::render::inputs::{Inputs, Values};
-use crate::render::subject::Subject;
-use crate::render::variant::Variant;
-use crate::scene::{Pass, Scene, preset};
-use crate::shader::{self, Library, Linker};
+use crate::scene::{Pass, preset};
+use crate::shader;
 use support::random::SplitMix;
 
 /// Cells along a side.
@@ -16,28 +12,6 @@ const SIDE: u32 = 16;
 /// Tested times of each scene, and samples at each.
 const TIMES: usize = 6;
 const SAMPLES: usize = 20_000;
-
-/// The prover of a scene, and the values of its first picture.
-struct Made {
-    subject: Subject,
-    variant: Variant,
-    bounded: Box<BoundedProgram>,
-    values: Values,
-    /// Of [`SIDE`] cells along a side, and of one.
-    boxes: [CellGrid; 2],
-}
-
-fn made(scene: &Scene, library: &Library) -> Made {
-    let subject = Subject::load(scene, library, &|_| ()).unwrap();
-    let variant = Variant::of(scene, library).unwrap();
-    let program = variant.program(library, Linker::new).unwrap();
-    let shot = FrameContext::of(scene, &subject, &variant);
-    let inputs = Inputs::new(library, &shot, &program, &|_| ()).unwrap();
-    let CellProver::Ready(bounded) = decider(library, &shot, |_| true) else { panic!("{}", variant.key()) };
-    let values = inputs.stored().values(&shot, &SubFrame::all(scene).next().unwrap());
-    let boxes = [SIDE, 1].map(|side| CellGrid::of(&shot, side));
-    Made { subject, variant, bounded, values, boxes }
-}
 
 #[test]
 fn m61_cells_that_are_empty_over_an_interval_of_time_are_so_at_each_time_in_it() {
@@ -48,7 +22,8 @@ fn m61_cells_that_are_empty_over_an_interval_of_time_are_so_at_each_time_in_it()
         let mut scene = preset(name).unwrap();
         (scene.quality.pass, scene.camera.time) = (Pass::March, 1.7);
         scene.object.resolution = scene.object.resolution.min(48);
-        let Made { subject, variant, mut bounded, values, boxes: [boxes, _] } = made(&scene, &library);
+        let Loaded { frame, mut bounded, values, .. } = loaded(&scene, &library);
+        let boxes = CellGrid::of(&frame, SIDE);
         let start = scene.camera.time as f32;
         let [at_once, during] = [start, start + seconds].map(|until| {
             bounded.fill(&values, [start, until]).unwrap();
@@ -69,7 +44,7 @@ fn m61_cells_that_are_empty_over_an_interval_of_time_are_so_at_each_time_in_it()
                 cell.map(|range| range.lo + (range.hi - range.lo) * (1.5 * random.unit() - 0.25).clamp(0.0, 1.0))
             });
             let lanes = eval::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places.collect())].into() };
-            let (code, inputs) = drawn(&scene, &library, &subject, &variant);
+            let (code, inputs) = drawn(&scene, &library, &frame);
             let outputs = code.bind(&inputs).unwrap().run::<f64>(&lanes).unwrap();
             let matter = outputs[&0].iter().filter(|[.., alpha]| alpha.is_nan() || *alpha > 0.0).count();
             assert_eq!(matter, 0, "{name} at {} s", scene.camera.time);
@@ -91,9 +66,9 @@ fn segments_of_noise_that_is_looked_up_hold_what_is_drawn() {
         scene.quality.pass = Pass::March;
         (scene.effect.noise, scene.effect.turbulence) = (noise.into(), turbulence.into());
         (scene.effect.octaves, scene.quality.samples) = (3, 40);
-        let Made { subject, variant, mut bounded, values, boxes: [_, whole] } = made(&scene, &library);
+        let Loaded { frame, mut bounded, values, .. } = loaded(&scene, &library);
         bounded.fill(&values, [0.0; 2]).unwrap();
-        let whole = whole.cell([0; 3], 1);
+        let whole = CellGrid::of(&frame, 1).cell([0; 3], 1);
         let segments: Vec<[[f64; 4]; 2]> = (0..SEGMENTS)
             .map(|_| {
                 let length = 10f64.powf(-4.0 * random.unit());
@@ -110,7 +85,7 @@ fn segments_of_noise_that_is_looked_up_hold_what_is_drawn() {
             varyings: [(0, segments.iter().map(along).collect())].into(),
         };
         let bounds = bounded.code.bind(&bounded.inputs).unwrap().bounds(&lanes, |_, _| true).unwrap();
-        let (code, inputs) = drawn(&scene, &library, &subject, &variant);
+        let (code, inputs) = drawn(&scene, &library, &frame);
         let bound = code.bind(&inputs).unwrap();
         for _ in 0..PLACES {
             let parts: Vec<f64> = segments.iter().map(|_| random.unit()).collect();

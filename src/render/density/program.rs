@@ -4,7 +4,7 @@
 
 use super::error::PolygonizeError;
 use crate::eval::{self, Device, ExactError, Interval, Sloped};
-use crate::render::camera::{FrameContext, View};
+use crate::render::camera::View;
 use crate::render::cells::{LOOKED_UP, bounded};
 use crate::render::error::RenderError;
 use crate::render::inputs::CpuInputs;
@@ -47,7 +47,7 @@ impl DensityProgram {
         inputs.blocks = cpu_inputs.moments(&program)?.into_iter().next().unwrap_or_default();
         let octaves = [(OCTAVES_ID, scene.effect.octaves)];
         let code = eval::Program::read_channel(&program.fragment, &octaves, (0, 3))?;
-        let view = FrameContext::of(scene, subject, &drawn).view;
+        let view = View::of(scene, subject, &drawn);
         Ok(DensityProgram { code, inputs, view, library, variant, octaves, cpu_inputs })
     }
 

@@ -209,9 +209,9 @@ impl<'a> PictureComparer<'a> {
             *wrap = vec!["repeat".into()];
             read = self.read(scene, &variant)?;
         }
-        let shot = FrameContext::of(scene, self.subject, &variant);
-        let stored = StoredObjects::none(&shot.view);
-        let values = |frame: SubFrame| stored.values(&shot, &frame);
+        let frame = FrameContext::with_variant(scene, self.subject, variant.clone());
+        let stored = StoredObjects::none(&frame.view);
+        let values = |frame: SubFrame| stored.values(&frame, &frame);
         let moments: Vec<_> = SubFrame::all(scene).map(values).collect();
         let mut all = Hasher::new();
         let mut add = |what: String| {
@@ -243,7 +243,7 @@ impl<'a> PictureComparer<'a> {
         } = &scene.quality;
         add(format!("{:?} {:?} {msaa} {target:?} {}", scene.entries(), scene.image.size, moments.len()));
         if *pass == Pass::Slices {
-            add(format!("{order:?} {proxy:?} {:?} {:?} {:?}", shot.planes, shot.view.extent, shot.view.axis));
+            add(format!("{order:?} {proxy:?} {:?} {:?} {:?}", frame.planes, frame.view.extent, frame.view.axis));
             add(format!("{:?} {}", read.program.vertex, scene.camera.slice_stack));
             if OpaqueMask::serve(scene) {
                 add(format!("{early_termination}"));
@@ -260,7 +260,7 @@ impl<'a> PictureComparer<'a> {
             programs.push((self.read(scene, &variant.light(scene, self.library)?)?, false));
         }
         if programs.len() > 1 {
-            add(format!("{:?}", shot.space.target()));
+            add(format!("{:?}", frame.space.target()));
         }
         for (read, casts) in programs {
             let names: HashMap<u32, &str> =
@@ -275,7 +275,7 @@ impl<'a> PictureComparer<'a> {
             for (image, sampler) in
                 pairs.into_iter().filter(|(image, _)| name(*image).contains("_image") && name(*image) != CELLS)
             {
-                let key = image_key(&shot, name(image));
+                let key = image_key(&frame, name(image));
                 add(format!("{} {key}", name(image)));
                 if let Some(sampler) = sampler {
                     add(format!("{:?}", Filter::of(name(sampler), &scene.quality)));

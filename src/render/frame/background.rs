@@ -1,10 +1,10 @@
 //! Preparation of a host's next scene, while the host draws something else.
 
-use super::prepared::{Destination, Prepared, Reusable};
+use super::destination::Destination;
+use super::prepared::{Prepared, Reusable};
 use crate::gpu::Gpu;
 use crate::render::camera::FrameContext;
 use crate::render::error::RenderError;
-use crate::render::subject::Subject;
 use crate::render::variant::Variant;
 use crate::scene::Scene;
 use crate::shader::Library;
@@ -12,8 +12,7 @@ use std::thread::{self, JoinHandle};
 
 /// Preparation of a scene for a host's images, on a thread that submits nothing.
 pub(crate) struct BackgroundPrepare {
-    scene: Scene,
-    variant: Variant,
+    frame: FrameContext,
     destination: Destination,
     /// Running until taken.
     thread: Option<JoinHandle<Result<Prepared, RenderError>>>,
@@ -22,16 +21,15 @@ pub(crate) struct BackgroundPrepare {
 impl BackgroundPrepare {
     /// Starts the preparation, with reusable parts.
     pub(crate) fn new(
-        (gpu, library, subject): (Gpu, Library, Subject),
-        (scene, variant, destination): (Scene, Variant, Destination),
+        gpu: Gpu,
+        library: Library,
+        frame: FrameContext,
+        destination: Destination,
         made: Reusable,
     ) -> BackgroundPrepare {
-        let (own, modules) = (scene.clone(), variant.clone());
-        let make = move || {
-            let shot = FrameContext::of(&own, &subject, &modules);
-            Prepared::new(&gpu, &library, &shot, destination, made, &|_| ())
-        };
-        BackgroundPrepare { scene, variant, destination, thread: Some(thread::spawn(make)) }
+        let own = frame.clone();
+        let make = move || Prepared::new(&gpu, &library, &own, destination, made, &|_| ());
+        BackgroundPrepare { frame, destination, thread: Some(thread::spawn(make)) }
     }
 
     /// Whether the preparation is finished, or has failed.
@@ -42,9 +40,9 @@ impl BackgroundPrepare {
     /// Whether the result serves a scene, of any size.
     pub(crate) fn serves(&self, scene: &Scene, variant: &Variant, destination: Destination) -> bool {
         let mut alike = scene.clone();
-        alike.image.size = self.scene.image.size;
-        alike.camera = self.scene.camera.clone();
-        self.destination.serves(destination) && (&alike, variant) == (&self.scene, &self.variant)
+        alike.image.size = self.frame.scene.image.size;
+        alike.camera = self.frame.scene.camera.clone();
+        self.destination.serves(destination) && (&alike, variant) == (&self.frame.scene, &self.frame.variant)
     }
 
     /// Waits for the result.

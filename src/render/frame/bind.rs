@@ -46,7 +46,7 @@ impl BoundInputs {
     ) -> Result<BoundInputs, RenderError> {
         let uploads = Uploads::default();
         let upload = |(binding, image): &(u32, Encoded)| {
-            let own = uploads.image(gpu, image.name, image.dimension, image.format, image.bytes())?;
+            let own = uploads.image(gpu, image.name, image.dimension, image.format, &image.bytes)?;
             if !is_recorded {
                 uploads.submit(gpu)?; // one by one: the texels exist twice until they are copied
             }
@@ -76,13 +76,13 @@ impl BoundInputs {
         &mut self,
         gpu: &Gpu,
         program: &Program,
-        shot: &FrameContext<'_>,
+        frame: &FrameContext,
         sub_frame: &SubFrame,
         stop: &dyn Fn() -> bool,
     ) -> Result<(), RenderError> {
-        self.set_blocks(gpu, program, shot, sub_frame)?;
+        self.set_blocks(gpu, program, frame, sub_frame)?;
         let image_of = |name: &str| image_of(program, &self.images, name);
-        let update = |cells: &mut EmptyCells| cells.update(gpu, shot, &self.values, &image_of, stop);
+        let update = |cells: &mut EmptyCells| cells.update(gpu, frame, &self.values, &image_of, stop);
         self.cells.as_mut().map(update).transpose()?;
         if self.open.is_some() {
             let own = self.cells.as_mut().map(|cells| cells.image(gpu, &self.uploads)).transpose()?.flatten();
@@ -96,14 +96,14 @@ impl BoundInputs {
         &mut self,
         gpu: &Gpu,
         program: &Program,
-        shot: &FrameContext<'_>,
+        frame: &FrameContext,
         sub_frame: &SubFrame,
     ) -> Result<(), RenderError> {
-        self.set_blocks(gpu, program, shot, sub_frame)?;
+        self.set_blocks(gpu, program, frame, sub_frame)?;
         if self.open.is_some() {
             let named = |own: &Resource| Some((own.name.clone(), image_of(program, &self.images, &own.name)?));
             let images = || program.resources.iter().filter_map(named).collect();
-            let own = self.beside.image(gpu, shot, &self.values, images, &self.uploads)?;
+            let own = self.beside.image(gpu, frame, &self.values, images, &self.uploads)?;
             self.set_cells(program, own);
         }
         Ok(())
@@ -120,22 +120,22 @@ impl BoundInputs {
         &mut self,
         gpu: &Gpu,
         program: &Program,
-        shot: &FrameContext<'_>,
+        frame: &FrameContext,
         sub_frame: &SubFrame,
     ) -> Result<(), RenderError> {
-        self.values = self.stored.values(shot, sub_frame);
+        self.values = self.stored.values(frame, sub_frame);
         self.blocks = buffers(gpu, &self.blocks_of(program)?)?;
         Ok(())
     }
 
     /// Whether the cells of a picture are available at once.
-    pub(crate) fn is_ready(&self, gpu: &Gpu, shot: &FrameContext<'_>) -> bool {
-        self.cells.as_ref().is_none_or(|cells| cells.are_decided(gpu, shot))
+    pub(crate) fn is_ready(&self, gpu: &Gpu, frame: &FrameContext) -> bool {
+        self.cells.as_ref().is_none_or(|cells| cells.are_decided(gpu, frame))
     }
 
     /// Tiles of the picture's slices, within some areas.
-    pub(crate) fn tiles(&self, shot: &FrameContext<'_>, within: &[gpu::Area]) -> Tiles {
-        self.cells.as_ref().map_or_else(|| Tiles::everywhere(within), |cells| cells.tiles(shot, within))
+    pub(crate) fn tiles(&self, frame: &FrameContext, within: &[gpu::Area]) -> Tiles {
+        self.cells.as_ref().map_or_else(|| Tiles::everywhere(within), |cells| cells.tiles(frame, within))
     }
 
     /// Whether the next recorded picture has cells, and the empty share of the latest.

@@ -19,7 +19,7 @@ use std::sync::Arc;
 pub(crate) struct Depth {
     program: Program,
     pub(crate) pipeline: Arc<Pipeline>,
-    pace: SubmissionBudget,
+    budget: SubmissionBudget,
 }
 
 /// Checks cheaply that the pictures of a scene have a depth.
@@ -64,7 +64,7 @@ impl Depth {
         }
         let how = (gpu::Blend::Replace, gpu::Marks::None);
         let pipeline = bind::pipeline(gpu, &program, &scene, &[], Format::R32Float, 1, how)?;
-        Ok(Depth { program, pipeline: Arc::new(pipeline), pace: SubmissionBudget::default() })
+        Ok(Depth { program, pipeline: Arc::new(pipeline), budget: SubmissionBudget::default() })
     }
 
     /// Binds the images and latest values of the picture.
@@ -77,16 +77,16 @@ impl Depth {
     pub(crate) fn draw(
         &mut self,
         gpu: &Gpu,
-        shot: &FrameContext<'_>,
+        frame: &FrameContext,
         bound: &BoundInputs,
         stop: &dyn Fn(f64) -> bool,
     ) -> Result<Vec<f32>, RenderError> {
-        let [width, height] = shot.scene.image.size;
+        let [width, height] = frame.scene.image.size;
         let plane = Dimension::Plane(width, height);
         let image = Image::new(gpu, "depth", plane, Format::R32Float, ImageUse::Target(1))?;
         let (set, all) = (self.bind(gpu, bound)?, [Area::whole([width, height])]);
-        let mut cut = SubmissionControl { pace: &mut self.pace, stop };
-        pass::march(gpu, &self.pipeline, &set, (&all[..], shot.planes.count), Target::of(&image), &mut cut)?;
+        let mut control = SubmissionControl { budget: &mut self.budget, stop };
+        pass::march(gpu, &self.pipeline, &set, (&all[..], frame.planes.count), Target::of(&image), &mut control)?;
         Ok(image.read()?.into_iter().map(|[depth, ..]| depth).collect())
     }
 }

@@ -98,15 +98,15 @@ impl HalfAngle {
     pub(crate) fn draw(
         &self,
         gpu: &Gpu,
-        shot: &FrameContext<'_>,
+        frame: &FrameContext,
         slices: &Slices<'_>,
         areas: &[gpu::Area],
         target: gpu::Target<'_>,
-        cut: &mut SubmissionControl<'_>,
+        control: &mut SubmissionControl<'_>,
     ) -> Result<pass::PassTiming, RenderError> {
         let Slices { pipeline, program, bound, vertices, stack } = *slices;
-        let planes = &shot.planes;
-        check(shot.scene, &shot.view)?;
+        let planes = &frame.planes;
+        check(&frame.scene, &frame.view)?;
         let corners = (0..planes.count).flat_map(|plane| {
             let depth = planes.depth(plane);
             [[-1.0, -1.0, depth], [3.0, -1.0, depth], [-1.0, 3.0, depth]]
@@ -134,7 +134,7 @@ impl HalfAngle {
         let sets = [of_eye(0)?, of_eye(1)?];
         let between = pass::BetweenSlices::Light(&light);
         let places = (areas, &Tiles::everywhere(areas));
-        pass::draw(gpu, pipeline, [&sets[0], &sets[1]], vertices, stack, places, target, &between, cut)
+        pass::draw(gpu, pipeline, [&sets[0], &sets[1]], vertices, stack, places, target, &between, control)
     }
 
     /// Bytes of the buffers on the device.

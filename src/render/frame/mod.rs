@@ -3,6 +3,7 @@
 mod background;
 mod bind;
 mod depth;
+mod destination;
 mod early_exit;
 mod half_angle;
 mod pass;

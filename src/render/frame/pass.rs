@@ -124,10 +124,10 @@ pub fn march(
     set: &BindSet,
     (areas, samples): (&[Area], u32),
     target: Target<'_>,
-    cut: &mut SubmissionControl<'_>,
+    control: &mut SubmissionControl<'_>,
 ) -> Result<PassTiming, RenderError> {
     let into = Target { resolved: None, ..target };
-    let mut drawn = match cut.pace.begin() {
+    let mut drawn = match control.budget.begin() {
         true => PassTiming::begin(gpu, pipeline, set, None, into)?,
         false => PassTiming { fragments: Some(0), ..Default::default() },
     };
@@ -135,8 +135,8 @@ pub fn march(
     let mut left: VecDeque<Area> = areas.iter().map(Area::quads).collect();
     let samples = f64::from(samples.max(1));
     while !left.is_empty() {
-        cut.check(drawn.gpu_ms)?;
-        let taken = take(&mut left, (cut.pace.samples() / samples) as u64);
+        control.check(drawn.gpu_ms)?;
+        let taken = take(&mut left, (control.budget.samples() / samples) as u64);
         let cost = gpu.submit("rays", |commands| {
             commands.render(into, load, |draw| {
                 for area in &taken {
@@ -146,7 +146,7 @@ pub fn march(
             });
         })?;
         drawn.add(&cost);
-        cut.pace.took(taken.iter().map(Area::pixels).sum::<u64>() as f64 * samples, cost.gpu_ms);
+        control.budget.took(taken.iter().map(Area::pixels).sum::<u64>() as f64 * samples, cost.gpu_ms);
         load = Load::Keep;
     }
     if target.resolved.is_some() {
@@ -255,14 +255,14 @@ pub(crate) fn draw(
     (areas, tiles): (&[Area], &Tiles),
     target: Target<'_>,
     between: &BetweenSlices<'_>,
-    cut: &mut SubmissionControl<'_>,
+    control: &mut SubmissionControl<'_>,
 ) -> Result<PassTiming, RenderError> {
     let into = Target { resolved: None, ..target };
     let first_light_ms = match between {
         BetweenSlices::Light(light) if stack.slices > 0 => light.begin(gpu)?,
         _ => 0.0,
     };
-    let mut drawn = match stack.slices > 0 && cut.pace.begin() {
+    let mut drawn = match stack.slices > 0 && control.budget.begin() {
         true => PassTiming::begin(gpu, pipeline, sets[0], Some(vertices), into)?,
         false => PassTiming { fragments: Some(0), ..Default::default() },
     };
@@ -271,8 +271,8 @@ pub(crate) fn draw(
     let mut next = 0;
     let pixels = (tiles.pixels(0..stack.slices) as f64 / f64::from(stack.slices)).max(1.0);
     while next < stack.slices {
-        cut.check(drawn.gpu_ms)?;
-        let batch = (cut.pace.samples() / pixels).max(1.0) as u32;
+        control.check(drawn.gpu_ms)?;
+        let batch = (control.budget.samples() / pixels).max(1.0) as u32;
         let range: Range<u32> = next..next.saturating_add(batch).min(stack.slices);
         let mut blend = |commands: &mut Commands<'_>, slices: Range<u32>| {
             let set = sets[slices.start as usize % 2];
@@ -313,7 +313,7 @@ pub(crate) fn draw(
             }
         })?;
         drawn.add(&cost);
-        cut.pace.took(f64::from(range.end - range.start) * pixels, cost.gpu_ms);
+        control.budget.took(f64::from(range.end - range.start) * pixels, cost.gpu_ms);
         next = range.end;
     }
     if target.resolved.is_some() || stack.slices == 0 {

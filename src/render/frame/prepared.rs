@@ -2,8 +2,9 @@
 
 use super::bind::BoundInputs;
 use super::depth::Depth;
+use super::destination::Destination;
 use super::early_exit::OpaqueMask;
-use super::half_angle::{HalfAngle, Slices, blend as light_blend};
+use super::half_angle::{HalfAngle, Slices};
 use super::pixels::{Mean, check_finite};
 use super::shadow::{ShadowCaster, ShadowVolume};
 use super::submission_budget::{SubmissionBudget, SubmissionControl};
@@ -17,32 +18,11 @@ use crate::render::measurements::{Frame, Measurements};
 use crate::render::subject::Subject;
 use crate::render::variant::{Program, Variant};
 use crate::scene::schema::Changes;
-use crate::scene::{Order, Pass, Scene, TargetFormat};
+use crate::scene::{Pass, Scene};
 use crate::shader::library::ZERO;
 use crate::shader::{Library, Linker, Slots};
 use std::sync::Arc;
 use std::time::Instant;
-
-/// Destination of pictures.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Destination {
-    /// A target that is read back.
-    Frame,
-    /// A host's image of this format, and optionally one for the depth.
-    Host { format: gpu::Format, has_depth: bool },
-}
-
-impl Destination {
-    /// Whether a scene prepared for this destination serves another.
-    pub(crate) fn serves(self, other: Destination) -> bool {
-        match (self, other) {
-            (Destination::Host { format, has_depth }, Destination::Host { format: of_other, has_depth: wanted }) => {
-                format == of_other && (has_depth || !wanted)
-            }
-            _ => self == other,
-        }
-    }
-}
 
 /// Alpha below this marks a ray whose loops the device has cut: see `march.frag`.
 const CUT_SHORT: f32 = -1000.0;
@@ -68,7 +48,7 @@ struct Pipelines {
     /// Depth, once requested.
     depth: Option<Depth>,
     /// Submission budget of the pictures.
-    pace: SubmissionBudget,
+    budget: SubmissionBudget,
 }
 
 /// Octaves, vertex attributes, target format, samples, blending, and use of the opaque mask.
@@ -95,57 +75,45 @@ pub(crate) struct Prepared {
 
 impl Prepared {
     #[cfg(test)]
-    pub(crate) fn pace(&mut self) -> &mut SubmissionBudget {
-        &mut self.pipelines.pace
+    pub(crate) fn budget(&mut self) -> &mut SubmissionBudget {
+        &mut self.pipelines.budget
     }
 
     /// Prepares a scene, with reusable parts.
     pub(crate) fn new(
         gpu: &Gpu,
         library: &Library,
-        shot: &FrameContext<'_>,
+        frame: &FrameContext,
         destination: Destination,
         made: Reusable,
         progress: Progress<'_>,
     ) -> Result<Prepared, RenderError> {
-        let (start, scene) = (Instant::now(), shot.scene);
+        let (start, scene) = (Instant::now(), &frame.scene);
         let (program, slots) = match made.program {
             Some(made) => made,
-            None => (shot.variant.program(library, Linker::new)?, shot.variant.slots.clone()),
+            None => (frame.variant.program(library, Linker::new)?, frame.variant.slots.clone()),
         };
-        let variant = Variant { slots, ..shot.variant.clone() };
+        let variant = Variant { slots, ..frame.variant.clone() };
         let mut compile_ms = start.elapsed().as_secs_f64() * 1e3;
         let quality = &scene.quality;
         let bound = made.bound.map_or_else(
             || {
-                let inputs = Inputs::new(library, shot, &program, progress)?;
+                let inputs = Inputs::new(library, frame, &program, progress)?;
                 let is_recorded = destination != Destination::Frame;
                 let is_cut = !is_recorded && quality.pass == Pass::Slices;
                 BoundInputs::new(gpu, library, &program, &inputs, is_cut, is_recorded)
             },
             Ok,
         )?;
-        let format = match (destination, quality.target) {
-            (Destination::Host { format, .. }, _) => format,
-            (_, TargetFormat::Unorm8) => gpu::Format::Rgba8Unorm,
-            (_, TargetFormat::Float16) => gpu::Format::Rgba16Float,
-            (_, TargetFormat::Float32) => gpu::Format::Rgba32Float,
-        };
-        let blend = match (quality.pass, quality.order) {
-            _ if destination != Destination::Frame => gpu::Blend::Over,
-            (Pass::March, _) => gpu::Blend::Replace,
-            _ if scene.is_half_angle() => light_blend(scene),
-            (Pass::Slices, Order::FrontToBack) => gpu::Blend::Under,
-            (Pass::Slices, Order::BackToFront) => gpu::Blend::Over,
-        };
+        let (format, blend) = (destination.format(quality), destination.blend(scene));
         let pipeline_start = Instant::now();
         let attributes = if quality.pass == Pass::Slices { pass::attributes(quality.proxy) } else { &[] };
         let ends_early = destination == Destination::Frame && OpaqueMask::serve(scene);
         let marks = ends_early.then(|| OpaqueMask::new(gpu, library, scene, &variant)).transpose()?;
         let heeds = if marks.is_some() { gpu::Marks::Heed } else { gpu::Marks::None };
         let shape = (scene.effect.octaves, attributes, format, quality.msaa, blend, heeds);
-        let (picture, caster, half_angle, mut depth, pace) = match made.pipelines.filter(|made| made.shape == shape) {
-            Some(made) => (made.picture, made.caster, made.half_angle, made.depth, made.pace),
+        let (picture, caster, half_angle, mut depth, budget) = match made.pipelines.filter(|made| made.shape == shape) {
+            Some(made) => (made.picture, made.caster, made.half_angle, made.depth, made.budget),
             None => {
                 let picture = bind::pipeline(gpu, &program, scene, attributes, format, quality.msaa, (blend, heeds))?;
                 (Arc::new(picture), None, None, None, SubmissionBudget::default())
@@ -157,7 +125,7 @@ impl Prepared {
         if let Destination::Host { has_depth: true, .. } = destination {
             depth = Some(Depth::new(gpu, library, scene, &variant, depth)?);
         }
-        let pipelines = Pipelines { shape, picture, caster, half_angle: half_angle.transpose()?, depth, pace };
+        let pipelines = Pipelines { shape, picture, caster, half_angle: half_angle.transpose()?, depth, budget };
         compile_ms += pipeline_start.elapsed().as_secs_f64() * 1e3;
         let targets = match destination {
             Destination::Host { .. } => None,
@@ -175,7 +143,7 @@ impl Prepared {
             targets,
             marks,
             compile_ms,
-            whole: shot.whole,
+            whole: frame.whole,
         })
     }
 
@@ -243,15 +211,16 @@ impl Prepared {
         own.0 == wanted.0 && own.1 == wanted.1 && own.2.iter().all(|zero| wanted.2.contains(zero))
     }
 
-    /// The variant with the slots of this program: cells and tables of one picture serve the next, where a zero may
-    /// have changed.
-    fn served(&self, variant: &Variant) -> Variant {
-        Variant { slots: self.variant.slots.clone(), ..variant.clone() }
+    /// Context of a picture, with the slots of this program: its cells and tables serve the next picture, in which a zero
+    /// may have changed.
+    fn context(&self, scene: &Scene, subject: &Subject, variant: &Variant) -> FrameContext {
+        let variant = Variant { slots: self.variant.slots.clone(), ..variant.clone() };
+        FrameContext { whole: self.whole, ..FrameContext::with_variant(scene, subject, variant) }
     }
 
     /// Slices of a picture; `None` for rays.
-    fn slices(&self, shot: &FrameContext<'_>) -> Result<Option<(Buffer, pass::Stack)>, RenderError> {
-        let (quality, view, planes) = (&shot.scene.quality, &shot.view, &shot.planes);
+    fn slices(&self, frame: &FrameContext) -> Result<Option<(Buffer, pass::Stack)>, RenderError> {
+        let (quality, view, planes) = (&frame.scene.quality, &frame.view, &frame.planes);
         if quality.pass == Pass::March {
             return Ok(None);
         }
@@ -269,9 +238,9 @@ impl Prepared {
 
     /// Casts the shadow volume of a picture and waits for it, unless the latest serves. Returns the milliseconds on the
     /// device now, and those of a reused volume.
-    fn cast(&mut self, shot: &FrameContext<'_>, stop: &dyn Fn(f64) -> bool) -> Result<Option<[f64; 2]>, RenderError> {
+    fn cast(&mut self, frame: &FrameContext, stop: &dyn Fn(f64) -> bool) -> Result<Option<[f64; 2]>, RenderError> {
         let Some(caster) = &mut self.pipelines.caster else { return Ok(None) };
-        let ShadowVolume { image, gpu_ms, is_kept, .. } = caster.volume(&self.gpu, shot, &self.bound, stop)?;
+        let ShadowVolume { image, gpu_ms, is_kept, .. } = caster.volume(&self.gpu, frame, &self.bound, stop)?;
         self.bound.replace(&self.program, SHADOW, image);
         Ok(Some(if is_kept { [0.0, gpu_ms] } else { [gpu_ms, 0.0] }))
     }
@@ -284,18 +253,17 @@ impl Prepared {
         subject: &Subject,
         variant: &Variant,
     ) -> Result<Recording, RenderError> {
-        let variant = &self.served(variant);
-        let shot = FrameContext { whole: self.whole, ..FrameContext::of(scene, subject, variant) };
+        let frame = self.context(scene, subject, variant);
         let mut all = SubFrame::all(scene);
         let (Some(sub_frame), None) = (all.next(), all.next()) else {
             return Err(RenderError::Recorded("quality.supersampling = 1"));
         };
-        self.bound.fill_recorded(&self.gpu, &self.program, &shot, &sub_frame)?;
+        self.bound.fill_recorded(&self.gpu, &self.program, &frame, &sub_frame)?;
         if self.pipelines.caster.is_some() {
             self.bound.uploads.submit(&self.gpu)?; // the shadow pass is submitted, and reads them
         }
-        self.cast(&shot, &|_| false)?;
-        let (vertices, count) = match self.slices(&shot)? {
+        self.cast(&frame, &|_| false)?;
+        let (vertices, count) = match self.slices(&frame)? {
             Some((vertices, stack)) => (Some(vertices), stack.slices * stack.per_slice),
             None => (None, 3),
         };
@@ -315,13 +283,12 @@ impl Prepared {
         variant: &Variant,
         stop: &dyn Fn(f64) -> bool,
     ) -> Result<Vec<f32>, RenderError> {
-        let variant = &self.served(variant);
-        let shot = FrameContext { whole: self.whole, ..FrameContext::of(scene, subject, variant) };
-        let depth = Depth::new(&self.gpu, library, scene, variant, self.pipelines.depth.take())?;
+        let frame = self.context(scene, subject, variant);
+        let depth = Depth::new(&self.gpu, library, scene, &frame.variant, self.pipelines.depth.take())?;
         for sub_frame in SubFrame::all(scene).take(1) {
-            self.bound.fill(&self.gpu, &self.program, &shot, &sub_frame, &|| stop(0.0))?;
+            self.bound.fill(&self.gpu, &self.program, &frame, &sub_frame, &|| stop(0.0))?;
         }
-        self.pipelines.depth.insert(depth).draw(&self.gpu, &shot, &self.bound, stop)
+        self.pipelines.depth.insert(depth).draw(&self.gpu, &frame, &self.bound, stop)
     }
 
     /// The frame pipeline: areas of a picture of a scene that fits, averaged over the `wanted` sub-frames. Returns the
@@ -336,16 +303,15 @@ impl Prepared {
         wanted: impl Fn(u32) -> bool,
         stop: &dyn Fn(f64) -> bool,
     ) -> Result<Option<Frame>, RenderError> {
-        let variant = &self.served(variant);
-        let shot = FrameContext { whole: self.whole, ..FrameContext::of(scene, subject, variant) };
-        let slices = self.slices(&shot)?;
+        let frame = self.context(scene, subject, variant);
+        let slices = self.slices(&frame)?;
         let mut pictures = Mean::default();
         let mut drawn = pass::PassTiming { fragments: Some(0), ..Default::default() };
         let (mut shadow_ms, mut shadow_before_ms) = (None, 0.0);
         for (_, sub_frame) in (0..).zip(SubFrame::all(scene)).filter(|(number, _)| wanted(*number)) {
             let so_far = drawn.gpu_ms + shadow_ms.unwrap_or(0.0);
-            self.bound.fill(&self.gpu, &self.program, &shot, &sub_frame, &|| stop(so_far))?;
-            if let Some([now, before]) = self.cast(&shot, &|ms| stop(so_far + ms))? {
+            self.bound.fill(&self.gpu, &self.program, &frame, &sub_frame, &|| stop(so_far))?;
+            if let Some([now, before]) = self.cast(&frame, &|ms| stop(so_far + ms))? {
                 shadow_ms = Some(shadow_ms.unwrap_or(0.0) + now);
                 shadow_before_ms += if pictures.count == 0 { before } else { 0.0 };
             }
@@ -355,11 +321,11 @@ impl Prepared {
             let (gpu, pipeline) = (&self.gpu, &*self.pipelines.picture);
             let before = drawn.gpu_ms + shadow_ms.unwrap_or(0.0);
             let stop = |ms: f64| stop(before + ms);
-            let mut cut = SubmissionControl { pace: &mut self.pipelines.pace, stop: &stop };
+            let mut control = SubmissionControl { budget: &mut self.pipelines.budget, stop: &stop };
             drawn.append(&match (&slices, &self.pipelines.half_angle) {
                 (Some((vertices, stack)), Some(light)) => {
                     let slices = Slices { pipeline, program: &self.program, bound: &self.bound, vertices, stack };
-                    light.draw(gpu, &shot, &slices, areas, target, &mut cut)?
+                    light.draw(gpu, &frame, &slices, areas, target, &mut control)?
                 }
                 (Some((vertices, stack)), None) => {
                     let set = pipeline.bind(&self.bound.resources())?;
@@ -367,13 +333,13 @@ impl Prepared {
                         Some(marks) => marks.between(gpu, &self.bound, color, stack.slices)?,
                         None => pass::BetweenSlices::Nothing,
                     };
-                    let tiles = self.bound.tiles(&shot, areas);
+                    let tiles = self.bound.tiles(&frame, areas);
                     let places = (areas, &tiles);
-                    pass::draw(gpu, pipeline, [&set; 2], vertices, stack, places, target, &between, &mut cut)?
+                    pass::draw(gpu, pipeline, [&set; 2], vertices, stack, places, target, &between, &mut control)?
                 }
                 (None, _) => {
                     let set = pipeline.bind(&self.bound.resources())?;
-                    pass::march(gpu, pipeline, &set, (areas, shot.planes.count), target, &mut cut)?
+                    pass::march(gpu, pipeline, &set, (areas, frame.planes.count), target, &mut control)?
                 }
             });
             let texels = resolved.as_ref().unwrap_or(color).read_areas(areas)?;
@@ -389,13 +355,13 @@ impl Prepared {
         let images = images.chain(self.marks.as_ref().map(|marks| &marks.image));
         let targets: u64 = images.map(gpu::Image::bytes).sum();
         let measurements = Measurements {
-            modules: variant.key(),
+            modules: frame.variant.key(),
             others: Vec::new(),
             shipped: self.program.shipped,
             left_out: self.program.left_out(),
-            octaves: variant.reads("turbulence").then_some([variant.octaves, scene.effect.octaves]),
-            slices: shot.planes.count,
-            step: shot.planes.step,
+            octaves: frame.variant.reads("turbulence").then_some([frame.variant.octaves, scene.effect.octaves]),
+            slices: frame.planes.count,
+            step: frame.planes.step,
             fragments: drawn.fragments,
             compile_ms: std::mem::take(&mut self.compile_ms) + drawn.first_use_ms,
             gpu_ms: drawn.gpu_ms,
@@ -409,7 +375,7 @@ impl Prepared {
             sparse: self.bound.sparse(),
             cells: self.bound.cells(),
             quantization: self.bound.quantization(),
-            held_beyond: shot
+            held_beyond: frame
                 .view
                 .objects
                 .iter()

@@ -2,8 +2,9 @@
 
 use super::background::BackgroundPrepare;
 use super::depth::by_rays;
+use super::destination::Destination;
 use super::pixels::paste_areas;
-use super::prepared::{Destination, Prepared, Reusable};
+use super::prepared::{Prepared, Reusable};
 use crate::field::Progress;
 use crate::gpu::{Area, Format, Gpu, HostCommands, Recording};
 use crate::render::camera::FrameContext;
@@ -38,13 +39,13 @@ pub struct Renderer {
     subject: Subject,
     /// Cached scenes, the latest last.
     prepared: Vec<Prepared>,
-    kept: usize,
+    cache_size: usize,
     whole: Option<[u32; 2]>,
     stop: Stop,
     /// Modules and samples of scenes whose two-phase rays the device has cut short.
-    cut: Vec<(Slots, u32)>,
+    cut_short: Vec<(Slots, u32)>,
     /// Preparation of a host's next scene.
-    coming: Option<BackgroundPrepare>,
+    preparing: Option<BackgroundPrepare>,
     /// Time of preparing the next picture, milliseconds.
     prepared_ms: f64,
 }
@@ -61,18 +62,18 @@ impl Renderer {
             library,
             subject,
             prepared: Vec::new(),
-            kept: 1,
+            cache_size: 1,
             whole: None,
             stop: Arc::new(|_| false),
-            cut: Vec::new(),
-            coming: None,
+            cut_short: Vec::new(),
+            preparing: None,
             prepared_ms: 0.0,
         }
     }
 
     /// Sets the number of cached scenes that differ in more than camera, size and parameters (default 1).
     pub fn set_cache_size(&mut self, scenes: usize) {
-        self.kept = scenes.max(1);
+        self.cache_size = scenes.max(1);
     }
 
     /// Ends later pictures with [`RenderError::Stopped`] when `stop` returns true. It is called between submissions,
@@ -109,8 +110,8 @@ impl Renderer {
     pub fn is_ready(&self, scene: &Scene) -> bool {
         let whole = self.whole.unwrap_or(scene.image.size);
         self.variant(scene).is_ok_and(|variant| {
-            let shot = FrameContext { whole, ..FrameContext::of(scene, &self.subject, &variant) };
-            self.serving(scene, &variant).any(|own| own.bound.is_ready(&self.gpu, &shot))
+            let frame = FrameContext { whole, ..FrameContext::with_variant(scene, &self.subject, variant.clone()) };
+            self.serving(scene, &variant).any(|own| own.bound.is_ready(&self.gpu, &frame))
         })
     }
 
@@ -170,7 +171,7 @@ impl Renderer {
             let frame = prepared.frame(scene, &subject, &variant, areas, wanted, &*stop);
             match frame.map_err(|error| explained(error, &self.library, scene, &subject))? {
                 Some(frame) => break frame,
-                None => self.cut.push((variant.slots.clone(), scene.quality.samples)),
+                None => self.cut_short.push((variant.slots.clone(), scene.quality.samples)),
             }
             variant = variant.without_two_phase();
         };
@@ -218,17 +219,18 @@ impl Renderer {
     /// Whether a scene can be recorded at once; starts the preparation otherwise.
     fn is_made(&mut self, scene: &Scene, destination: Destination) -> Result<bool, RenderError> {
         let (scene, variant) = self.recorded(scene, scene.image.size)?;
-        let is_made = self.coming.as_ref().is_some_and(BackgroundPrepare::is_made);
-        if let Some(coming) = self.coming.take_if(|_| is_made) {
-            self.take(coming, (&scene, &variant, destination))?;
+        let is_made = self.preparing.as_ref().is_some_and(BackgroundPrepare::is_made);
+        if let Some(preparing) = self.preparing.take_if(|_| is_made) {
+            self.take(preparing, (&scene, &variant, destination))?;
         }
         if self.prepared.iter().any(|own| own.fits(&scene, &variant, destination)) {
             return Ok(true);
         }
-        if self.coming.is_none() {
+        if self.preparing.is_none() {
             let made = self.prepared.iter().rev().find(|own| own.runs(&variant)).map(Prepared::shared);
-            let all = (self.gpu.clone(), self.library.clone(), self.subject.clone());
-            self.coming = Some(BackgroundPrepare::new(all, (scene, variant, destination), made.unwrap_or_default()));
+            let frame = FrameContext::with_variant(&scene, &self.subject, variant);
+            let (gpu, library) = (self.gpu.clone(), self.library.clone());
+            self.preparing = Some(BackgroundPrepare::new(gpu, library, frame, destination, made.unwrap_or_default()));
         }
         Ok(false)
     }
@@ -251,8 +253,8 @@ impl Renderer {
     pub fn record(&mut self, commands: &mut HostCommands<'_>, scene: &Scene) -> Result<Recording, RenderError> {
         let destination = Destination::Host { format: commands.format(), has_depth: commands.has_depth() };
         let (scene, variant) = self.recorded(scene, commands.size())?;
-        if let Some(coming) = self.coming.take_if(|coming| coming.serves(&scene, &variant, destination)) {
-            self.take(coming, (&scene, &variant, destination))?;
+        if let Some(preparing) = self.preparing.take_if(|preparing| preparing.serves(&scene, &variant, destination)) {
+            self.take(preparing, (&scene, &variant, destination))?;
         }
         let subject = self.subject.clone();
         let prepared = self.prepared(&scene, &variant, destination, &|_| ())?;
@@ -284,12 +286,16 @@ impl Renderer {
     }
 
     /// Caches the result of a preparation, waiting for it. An error matters only for the `wanted` scene.
-    fn take(&mut self, coming: BackgroundPrepare, wanted: (&Scene, &Variant, Destination)) -> Result<(), RenderError> {
-        let serves = coming.serves(wanted.0, wanted.1, wanted.2);
-        match coming.made() {
+    fn take(
+        &mut self,
+        preparing: BackgroundPrepare,
+        wanted: (&Scene, &Variant, Destination),
+    ) -> Result<(), RenderError> {
+        let serves = preparing.serves(wanted.0, wanted.1, wanted.2);
+        match preparing.made() {
             Ok(made) => {
                 self.prepared.push(made);
-                let more = self.prepared.len().saturating_sub(self.kept);
+                let more = self.prepared.len().saturating_sub(self.cache_size);
                 self.prepared.drain(..more);
             }
             Err(error) if serves => return Err(error),
@@ -302,7 +308,7 @@ impl Renderer {
     fn variant(&self, scene: &Scene) -> Result<Variant, RenderError> {
         let variant = Variant::of(scene, &self.library)?;
         let is_cut =
-            self.cut.iter().any(|(slots, samples)| *slots == variant.slots && *samples <= scene.quality.samples);
+            self.cut_short.iter().any(|(slots, samples)| *slots == variant.slots && *samples <= scene.quality.samples);
         Ok(if is_cut { variant.without_two_phase() } else { variant.for_device(self.gpu.info().cpu) })
     }
 
@@ -319,14 +325,14 @@ impl Renderer {
             None => {
                 let running = self.prepared.iter().rposition(|own| own.runs(variant));
                 // The oldest entry is evicted first, and its reusable parts are kept.
-                let oldest = (self.prepared.len() >= self.kept).then(|| self.prepared.remove(0));
+                let oldest = (self.prepared.len() >= self.cache_size).then(|| self.prepared.remove(0));
                 let made = match (running, oldest) {
                     (Some(0), Some(oldest)) => oldest.made(scene, variant),
                     (Some(found), oldest) => self.prepared[found - usize::from(oldest.is_some())].shared(),
                     (None, _) => Reusable::default(),
                 };
-                let shot = FrameContext::of(scene, &self.subject, variant);
-                Prepared::new(&self.gpu, &self.library, &shot, destination, made, progress)?
+                let frame = FrameContext::with_variant(scene, &self.subject, variant.clone());
+                Prepared::new(&self.gpu, &self.library, &frame, destination, made, progress)?
             }
         };
         prepared.resize(scene)?;
@@ -366,7 +372,7 @@ mod tests {
             scene.quality.proxy = proxy;
             let mut cut = |slices: f64| {
                 renderer.prepare(&scene, &|_| ()).unwrap();
-                *renderer.prepared[0].pace() = SubmissionBudget::fixed(slices * 24.0 * 24.0);
+                *renderer.prepared[0].budget() = SubmissionBudget::fixed(slices * 24.0 * 24.0);
                 renderer.render(&scene).unwrap().pixels
             };
             let whole = cut(1024.0);

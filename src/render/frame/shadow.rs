@@ -73,17 +73,16 @@ pub fn transmittance(
     scene: &Scene,
     subject: &Subject,
 ) -> Result<Transmittance, RenderError> {
-    let variant = Variant::of(scene, library)?;
-    let program = variant.program(library, Linker::new)?;
-    let shot = FrameContext::of(scene, subject, &variant);
-    let inputs = Inputs::new(library, &shot, &program, &|_| ())?;
+    let frame = FrameContext::new(scene, subject, library)?;
+    let program = frame.variant.program(library, Linker::new)?;
+    let inputs = Inputs::new(library, &frame, &program, &|_| ())?;
     let mut bound = BoundInputs::new(gpu, library, &program, &inputs, false, false)?;
     for sub_frame in SubFrame::all(scene).take(1) {
-        bound.fill(gpu, &program, &shot, &sub_frame, &|| false)?;
+        bound.fill(gpu, &program, &frame, &sub_frame, &|| false)?;
     }
-    let mut caster = ShadowCaster::new(gpu, library, scene, &variant, None)?;
-    let (values, gpu_ms) = caster.cast(gpu, &shot, &bound, |light| light, &|_| false)?;
-    Ok(Transmittance { space: shot.space, object_matrix: shot.view.object_matrix, values, gpu_ms })
+    let mut caster = ShadowCaster::new(gpu, library, scene, &frame.variant, None)?;
+    let (values, gpu_ms) = caster.cast(gpu, &frame, &bound, |light| light, &|_| false)?;
+    Ok(Transmittance { space: frame.space, object_matrix: frame.view.object_matrix, values, gpu_ms })
 }
 
 /// Program of the shadow volumes of a scene, and the latest volume.
@@ -93,7 +92,7 @@ pub(crate) struct ShadowCaster {
     /// Block members that the program reads.
     read: BTreeSet<(u32, u32)>,
     pipeline: Arc<Pipeline>,
-    pace: SubmissionBudget,
+    budget: SubmissionBudget,
     last: Option<ShadowVolume>,
 }
 
@@ -126,7 +125,7 @@ impl ShadowCaster {
         }
         let pipeline = bind::pipeline(gpu, &program, scene, &[], SEGMENTS, 1, (gpu::Blend::Replace, gpu::Marks::None))?;
         let (read, pipeline) = (program.members_read(), Arc::new(pipeline));
-        Ok(ShadowCaster { program, read, pipeline, pace: SubmissionBudget::default(), last: None })
+        Ok(ShadowCaster { program, read, pipeline, budget: SubmissionBudget::default(), last: None })
     }
 
     /// Discards the latest volume.
@@ -138,7 +137,7 @@ impl ShadowCaster {
     pub(crate) fn volume(
         &mut self,
         gpu: &Gpu,
-        shot: &FrameContext<'_>,
+        frame: &FrameContext,
         bound: &BoundInputs,
         stop: &dyn Fn(f64) -> bool,
     ) -> Result<ShadowVolume, RenderError> {
@@ -149,19 +148,19 @@ impl ShadowCaster {
         let serves = |last: &&ShadowVolume| {
             let same_images =
                 images.len() == last.images.len() && images.iter().zip(&last.images).all(|(a, b)| Arc::ptr_eq(a, b));
-            last.space == shot.space && last.blocks == blocks && same_images
+            last.space == frame.space && last.blocks == blocks && same_images
         };
         if let Some(last) = self.last.as_ref().filter(serves) {
             return Ok(ShadowVolume { is_kept: true, ..last.clone() });
         }
         self.last = None;
         let code = |light: f32| (light * 65535.0 + 0.5) as u16;
-        let (texels, gpu_ms) = self.cast(gpu, shot, bound, code, stop)?;
-        let [x, y, z] = shot.space.texels();
+        let (texels, gpu_ms) = self.cast(gpu, frame, bound, code, stop)?;
+        let [x, y, z] = frame.space.texels();
         let size = Dimension::Volume(x, y, z);
         let texels = bytemuck::cast_slice(&texels);
         let image = Arc::new(Image::sampled(gpu, "shadow volume", size, Format::R16Unorm, texels)?);
-        let cast = ShadowVolume { space: shot.space, blocks, images, image, gpu_ms, is_kept: false };
+        let cast = ShadowVolume { space: frame.space, blocks, images, image, gpu_ms, is_kept: false };
         self.last = Some(cast.clone());
         Ok(cast)
     }
@@ -172,12 +171,12 @@ impl ShadowCaster {
     fn cast<T: Clone>(
         &mut self,
         gpu: &Gpu,
-        shot: &FrameContext<'_>,
+        frame: &FrameContext,
         bound: &BoundInputs,
         code: impl Fn(f32) -> T,
         stop: &dyn Fn(f64) -> bool,
     ) -> Result<(Vec<T>, f64), RenderError> {
-        let space = shot.space;
+        let space = frame.space;
         let [width, height] = space.target();
         let blocks = bind::buffers(gpu, &bound.blocks_of(&self.program)?)?;
         let set = self.pipeline.bind(&bound.with(&blocks))?;
@@ -185,8 +184,8 @@ impl ShadowCaster {
         let color = Image::new(gpu, "shadow segments", plane, SEGMENTS, ImageUse::Target(1))?;
         let target = gpu::Target::of(&color);
         let all = [gpu::Area::whole([width, height])];
-        let mut cut = SubmissionControl { pace: &mut self.pace, stop };
-        let drawn = pass::march(gpu, &self.pipeline, &set, (&all[..], SEGMENTS_OF_A_TEXEL), target, &mut cut)?;
+        let mut control = SubmissionControl { budget: &mut self.budget, stop };
+        let drawn = pass::march(gpu, &self.pipeline, &set, (&all[..], SEGMENTS_OF_A_TEXEL), target, &mut control)?;
         Ok((color.read_with(|segments| space.products(segments, code))?, drawn.gpu_ms))
     }
 }

@@ -91,7 +91,7 @@ impl SubmissionBudget {
 /// Control over the submissions of a picture.
 pub struct SubmissionControl<'a> {
     /// Sizes of submissions.
-    pub pace: &'a mut SubmissionBudget,
+    pub budget: &'a mut SubmissionBudget,
     /// Whether the picture ends unfinished; called before each submission with the milliseconds on the device.
     pub stop: &'a dyn Fn(f64) -> bool,
 }
@@ -108,13 +108,13 @@ mod tests {
 
     /// Submissions of a picture as pairs of samples and milliseconds; `cost` maps the finished share to the cost of a
     /// sample.
-    fn picture(pace: &mut SubmissionBudget, samples: f64, cost: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
-        pace.begin();
+    fn picture(budget: &mut SubmissionBudget, samples: f64, cost: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
+        budget.begin();
         let (mut done, mut all) = (0.0, Vec::new());
         while done < samples {
-            let taken = pace.samples().min(samples - done);
+            let taken = budget.samples().min(samples - done);
             let ms = 0.3 + taken * cost(done / samples);
-            pace.took(taken, ms);
+            budget.took(taken, ms);
             all.push([taken, ms]);
             done += taken;
         }
@@ -127,10 +127,10 @@ mod tests {
     #[test]
     fn an_empty_beginning_does_not_make_the_next_submission_the_whole_picture() {
         let cost = |done: f64| if done < 0.3 { 1e-9 } else { DEAR };
-        let mut pace = SubmissionBudget::default();
-        picture(&mut pace, 1e7, |_| DEAR); // a preview
+        let mut budget = SubmissionBudget::default();
+        picture(&mut budget, 1e7, |_| DEAR); // a preview
         for _ in 0..2 {
-            let all = picture(&mut pace, WHOLE, cost);
+            let all = picture(&mut budget, WHOLE, cost);
             let longest = all.iter().map(|[_, ms]| *ms).fold(0.0, f64::max);
             assert!(longest < 1.5 * SUBMISSION_MS, "{longest}");
         }
@@ -151,10 +151,10 @@ mod tests {
 
     #[test]
     fn what_was_dear_is_forgotten_with_the_pictures_after_it() {
-        let mut pace = SubmissionBudget::default();
-        picture(&mut pace, 1e8, |_| DEAR);
-        (0..3).for_each(|_| drop(picture(&mut pace, 1e9, |_| DEAR / 50.0)));
-        let cheap = picture(&mut pace, 1e9, |_| DEAR / 50.0);
+        let mut budget = SubmissionBudget::default();
+        picture(&mut budget, 1e8, |_| DEAR);
+        (0..3).for_each(|_| drop(picture(&mut budget, 1e9, |_| DEAR / 50.0)));
+        let cheap = picture(&mut budget, 1e9, |_| DEAR / 50.0);
         assert!(cheap.len() < 15, "{}", cheap.len());
     }
 }

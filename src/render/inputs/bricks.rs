@@ -1,7 +1,8 @@
 //! Bricks of volumes that a scene can reach, and the memory that they save.
 
 use super::object_inputs::ObjectInputs;
-use crate::render::camera::SlicePlanes;
+use super::uniforms::search_distance;
+use crate::render::camera::FrameContext;
 use crate::render::texture::{Bricks, Texels};
 use crate::scene::{Integration, RayPath};
 use serde::{Deserialize, Serialize};
@@ -41,19 +42,19 @@ impl ObjectInputs<'_> {
     /// voxel further; the end of a segment may lie anywhere outside. Of opaque matter only the first sample is seen:
     /// its depth is at most a step along the most slanted ray, plus the displacement by warps. Of translucent or
     /// modulated matter any sample may be seen.
-    pub(crate) fn bricks(&self, looked_for: f32, texels: &Texels, planes: &SlicePlanes) -> Option<Bricks> {
+    pub(crate) fn bricks(&self, frame: &FrameContext, texels: &Texels) -> Option<Bricks> {
         const MOST_SLANTED: f32 = 4.0; // 22 degrees from the slice plane
         let (scene, field) = (&self.scene, self.subject.field.as_ref()?);
         let voxels = 2.0 * field.grid.spacing.max_element() * self.subject.scale;
         let outer = match scene.quality.integration {
-            Integration::Point => self.own.outer_iso + voxels + looked_for,
+            Integration::Point => self.own.outer_iso + voxels + search_distance(frame),
             Integration::Segment => self.reach(),
         };
         let effect = &scene.effect;
         let straight = effect.ray_path == RayPath::Straight; // bent rays may pass through clear matter
         let opaque =
             straight && (effect.classify == "surface" || (effect.dmf.is_empty() && effect.opacity == "perlin"));
-        let step = planes.step / glam::Vec3::from(scene.object.stretch).min_element();
+        let step = frame.planes.step / glam::Vec3::from(scene.object.stretch).min_element();
         let depth = MOST_SLANTED * step + self.own.spread.moves.span() + voxels;
         let inner = if opaque { scene.object.inner_iso - depth } else { f32::NEG_INFINITY };
         Some(Bricks::of(field, [inner, outer].map(|d| d / self.subject.scale), |number| texels.channels(number)))

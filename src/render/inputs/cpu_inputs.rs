@@ -35,11 +35,11 @@ impl CpuInputs {
         variant: &Variant,
         program: &Program,
     ) -> Result<CpuInputs, RenderError> {
-        let shot = FrameContext::of(scene, subject, variant);
-        let inputs = Inputs::new(library, &shot, program, &|_| ())?;
-        let values = |moment: SubFrame| inputs.stored().values(&shot, &moment);
+        let frame = FrameContext::with_variant(scene, subject, variant.clone());
+        let inputs = Inputs::new(library, &frame, program, &|_| ())?;
+        let values = |moment: SubFrame| inputs.stored().values(&frame, &moment);
         let moments = SubFrame::all(scene).map(values).collect();
-        let (extent, space) = (shot.view.extent, shot.space);
+        let (extent, space) = (frame.view.extent, frame.space);
         let near = (extent.distance - extent.radius).max(extent.near);
         let depths = [near, extent.distance + extent.radius].map(f64::from);
         Ok(CpuInputs { inputs, moments, space, depths })
@@ -88,7 +88,7 @@ impl CpuInputs {
 
 /// Decodes an image for [`eval`].
 pub(crate) fn texture(image: &Encoded) -> eval::Texture {
-    eval::Texture { size: image.dimension.size(), texels: image.format.decode(image.bytes()) }
+    eval::Texture { size: image.dimension.size(), texels: image.format.decode(&image.bytes) }
 }
 
 pub(crate) fn wrap(address: Address) -> eval::Wrap {

@@ -2,6 +2,7 @@
 
 use crate::gpu::{Address, Dimension, Format};
 use crate::scene::{Quality, Wrap};
+use bytemuck::NoUninit;
 use serde::{Deserialize, Serialize};
 
 /// Description of an image that a program reads.
@@ -20,29 +21,17 @@ pub struct ImageInfo {
     pub bytes: u64,
 }
 
-/// An encoded image.
+/// An encoded image: texels x fastest.
 pub(crate) struct Encoded {
     pub(crate) name: &'static str,
     pub(crate) dimension: Dimension,
     pub(crate) format: Format,
-    pub(crate) content: Content,
-}
-
-/// Texels in their native type, x fastest.
-pub(crate) enum Content {
-    Bytes(Vec<u8>),
-    Codes(Vec<u16>),
-    Floats(Vec<f32>),
+    pub(crate) bytes: Vec<u8>,
 }
 
 impl Encoded {
-    /// Texels as bytes.
-    pub(crate) fn bytes(&self) -> &[u8] {
-        match &self.content {
-            Content::Bytes(bytes) => bytes,
-            Content::Codes(codes) => bytemuck::cast_slice(codes),
-            Content::Floats(floats) => bytemuck::cast_slice(floats),
-        }
+    pub(crate) fn new<T: NoUninit>(name: &'static str, dimension: Dimension, format: Format, texels: &[T]) -> Encoded {
+        Encoded { name, dimension, format, bytes: bytemuck::cast_slice(texels).to_vec() }
     }
 }
 

@@ -1,12 +1,12 @@
 //! Inputs of a program, encoded on the CPU: uniform values and only those images that the program reads.
 
 use super::bricks::Sparse;
-use super::encoded::{Content, Encoded, Filter};
+use super::encoded::{Encoded, Filter};
 use super::noise_blocks::{block, block_key};
 use super::object_inputs::{CLOSEST, ObjectInputs, StoredDistance};
 use super::table;
 use super::table::Function;
-use super::uniforms::{Values, looked_for, moment, values};
+use super::uniforms::{Values, moment, values};
 use crate::field::Progress;
 use crate::gpu::{Dimension, Format};
 use crate::render::camera::{FrameContext, SlicePlanes, SubFrame, View};
@@ -47,16 +47,13 @@ impl Inputs {
     /// Encodes every image that a program reads; `progress` reports each noise block.
     pub(crate) fn new(
         library: &Library,
-        shot: &FrameContext<'_>,
+        frame: &FrameContext,
         program: &Program,
         progress: Progress<'_>,
     ) -> Result<Inputs, RenderError> {
-        let FrameContext { scene, subject, variant, view, planes, .. } = shot;
-        let mut items: Vec<ObjectInputs<'_>> = view
-            .objects
-            .iter()
-            .map(|own| ObjectInputs::of(own, scene, subject, variant, StoredDistance::default()))
-            .collect();
+        let FrameContext { scene, variant, planes, .. } = frame;
+        let mut items: Vec<ObjectInputs<'_>> =
+            frame.view.objects.iter().map(|own| ObjectInputs::of(frame, own, StoredDistance::default())).collect();
         let mut volumes = Vec::new();
         let mut sparse = None;
         for item in &mut items {
@@ -67,8 +64,7 @@ impl Inputs {
                 item.stored.quantization = texels.quantization * item.subject.scale;
             }
             let bricks = texels.as_ref().filter(|_| program.reads(&format!("brick_image{}", item.suffix)));
-            let bricks =
-                bricks.and_then(|texels| item.bricks(looked_for(scene, variant, view, planes), texels, planes));
+            let bricks = bricks.and_then(|texels| item.bricks(frame, texels));
             if let (Some(texels), Some(bricks)) = (&mut texels, &bricks) {
                 sparse.get_or_insert_with(Sparse::default).add(texels, bricks);
             }
@@ -83,7 +79,7 @@ impl Inputs {
         }
         let holds_parameters = Cell::new(false);
         let function = |entry| {
-            let values = values(scene, variant, view, &items, planes);
+            let values = values(frame, &items);
             let function = Function::new(entry, variant, library, &values)?;
             holds_parameters.set(holds_parameters.get() || function.reads_parameters);
             Ok(function)
@@ -95,7 +91,7 @@ impl Inputs {
                 Use::Image => {
                     let made = match block(scene, name, progress) {
                         Some(block) => block,
-                        None => image(scene, &items, &mut volumes, planes, &function, name)?,
+                        None => image(&items, &mut volumes, planes, &function, name)?,
                     };
                     images.push((*binding, made));
                 }
@@ -125,18 +121,16 @@ impl StoredObjects {
     }
 
     /// Values of all block members for one sub-frame.
-    pub(crate) fn values(&self, shot: &FrameContext<'_>, sub_frame: &SubFrame) -> Values {
-        let FrameContext { scene, subject, variant, view, planes, space, .. } = shot;
-        let objects = view.objects.iter().zip(&self.0);
-        let items: Vec<ObjectInputs<'_>> =
-            objects.map(|(own, stored)| ObjectInputs::of(own, scene, subject, variant, *stored)).collect();
-        let mut values = values(scene, variant, view, &items, planes);
-        values.extend(moment(scene, view, sub_frame));
+    pub(crate) fn values(&self, frame: &FrameContext, sub_frame: &SubFrame) -> Values {
+        let objects = frame.view.objects.iter().zip(&self.0);
+        let items: Vec<ObjectInputs<'_>> = objects.map(|(own, stored)| ObjectInputs::of(frame, own, *stored)).collect();
+        let mut values = values(frame, &items);
+        values.extend(moment(frame, sub_frame));
         for item in &items {
             let speeds = item.parameters.held_speeds(sub_frame.time);
             values.extend(speeds.map(|(name, speed)| (format!("{name}{}", item.suffix), vec![speed])));
         }
-        values.extend(space.values().map(|(name, floats)| (name.to_string(), floats)));
+        values.extend(frame.space.values().map(|(name, floats)| (name.to_string(), floats)));
         values
     }
 }
@@ -148,21 +142,20 @@ pub(crate) const BEFORE: &str = "light_before_image";
 pub(crate) const BEHIND: &str = "light_behind_image";
 /// Binding of the cell grid.
 pub(crate) const CELLS: &str = "cell_image";
+
 /// Text of all that an image depends on, for loaded objects.
-pub(crate) fn image_key(shot: &FrameContext<'_>, name: &str) -> String {
-    let FrameContext { scene, subject, variant, view, planes, .. } = shot;
+pub(crate) fn image_key(frame: &FrameContext, name: &str) -> String {
+    let FrameContext { scene, variant, view, planes, .. } = frame;
     if let Some(key) = block_key(scene, name) {
         return key;
     }
-    let items =
-        view.objects.iter().map(|own| ObjectInputs::of(own, scene, subject, variant, StoredDistance::default()));
-    let named = |item: &ObjectInputs<'_>| {
-        name.strip_suffix(item.suffix.as_str()).filter(|base| base.ends_with("_image")).is_some()
-    };
-    let Some(item) = items.rev().find(named) else { return name.into() };
+    let items: Vec<_> =
+        view.objects.iter().map(|own| ObjectInputs::of(frame, own, StoredDistance::default())).collect();
+    let Some((index, base)) = object_image(&items, name) else { return name.into() };
+    let item = &items[index];
     let (object, effect, transfer) = (&item.scene.object, &item.scene.effect, &item.scene.transfer);
     let densities = (object.inner_iso, item.own.outer_iso);
-    match name.strip_suffix(item.suffix.as_str()).unwrap_or(name) {
+    match base {
         "transfer_image" => format!("{:?}", texture::transfer_map(transfer)),
         "index_image" => format!("{:?}", texture::index_map(transfer)),
         "segment_image" => {
@@ -183,41 +176,32 @@ pub(crate) fn image_key(shot: &FrameContext<'_>, name: &str) -> String {
 /// Encodes the image of a binding in `interface.glsl` or `part.glsl`, other than noise; takes the encoded volumes of
 /// its object.
 fn image(
-    scene: &Scene,
     items: &[ObjectInputs<'_>],
     volumes: &mut [Volumes],
     planes: &SlicePlanes,
     function: &dyn Fn(&'static str) -> Result<Function, RenderError>,
     name: &str,
 ) -> Result<Encoded, RenderError> {
-    let base =
-        |item: &ObjectInputs<'_>| name.strip_suffix(item.suffix.as_str()).filter(|base| base.ends_with("_image"));
-    let found = (0..items.len()).rev().find_map(|index| base(&items[index]).map(|base| (index, base)));
-    let (index, name) = found.ok_or_else(|| RenderError::Unfilled(name.into()))?;
+    let (index, name) = object_image(items, name).ok_or_else(|| RenderError::Unfilled(name.into()))?;
     let item = &items[index];
-    let (scene, subject) = (if item.suffix.is_empty() { scene } else { &item.scene }, item.subject);
-    let encoded = |name, dimension, format, content| Encoded { name, dimension, format, content };
+    let (scene, subject) = (&item.scene, item.subject);
+    let volume = |[x, y, z]: [u32; 3]| Dimension::Volume(x, y, z);
     Ok(match name {
         "transfer_image" => {
             let texels = texture::transfer_map(&scene.transfer);
-            let size = Dimension::Line(texels.len() as u32 / 4);
-            encoded("transfer map", size, Format::Rgba16Unorm, Content::Codes(texels))
+            Encoded::new("transfer map", Dimension::Line(texels.len() as u32 / 4), Format::Rgba16Unorm, &texels)
         }
         "index_image" => {
             let texels = texture::index_map(&scene.transfer);
-            let size = Dimension::Line(texels.len() as u32 / 4);
-            encoded("index map", size, Format::Rgba32Float, Content::Floats(texels))
+            Encoded::new("index map", Dimension::Line(texels.len() as u32 / 4), Format::Rgba32Float, &texels)
         }
         "closest_image" => {
-            let offsets = volumes[index].offsets.take().ok_or(RenderError::Missing(CLOSEST))?;
-            let [x, y, z] = offsets.size;
-            let (size, format) = (Dimension::Volume(x, y, z), Format::Rgba16Unorm);
-            encoded(CLOSEST, size, format, Content::Bytes(offsets.bytes))
+            let Texels { size, bytes, .. } = volumes[index].offsets.take().ok_or(RenderError::Missing(CLOSEST))?;
+            Encoded { name: CLOSEST, dimension: volume(size), format: Format::Rgba16Unorm, bytes }
         }
         "brick_image" => {
             let bricks = volumes[index].bricks.as_ref().ok_or_else(|| RenderError::Unfilled(name.into()))?;
-            let ([x, y, z], format) = (bricks.size, Format::Rgba32Float);
-            encoded("index of bricks", Dimension::Volume(x, y, z), format, Content::Floats(bricks.index.concat()))
+            Encoded::new("index of bricks", volume(bricks.size), Format::Rgba32Float, &bricks.index)
         }
         "segment_image" => {
             let exponent = scene.effect.opacity_rate * planes.step;
@@ -225,8 +209,8 @@ fn image(
             let opacities =
                 |paths: &[[f32; 2]]| opacity.at(paths.iter().map(|[density, path]| [*density, exponent * path]));
             let texels = texture::segment_table(&scene.transfer, opacities)?;
-            let size = Dimension::Plane(texture::SEGMENT_SIZE as u32, texture::SEGMENT_SIZE as u32);
-            encoded("segment table", size, Format::Rgba32Float, Content::Floats(texels))
+            let side = texture::SEGMENT_SIZE as u32;
+            Encoded::new("segment table", Dimension::Plane(side, side), Format::Rgba32Float, &texels)
         }
         "classified_image" => {
             let field = subject.field.as_ref().ok_or(RenderError::Classification(
@@ -240,20 +224,24 @@ fn image(
             let density = function(table::DENSITY)?;
             let densities = |distances: &[f32]| density.at(distances.iter().map(|d| [d * subject.scale, 0.0]));
             let texels = texture::classify(field, &scene.transfer, densities)?;
-            let [x, y, z] = field.grid.size;
-            let (size, format) = (Dimension::Volume(x, y, z), Format::Rgba16Unorm);
-            encoded("classified volume", size, format, Content::Codes(texels))
+            Encoded::new("classified volume", volume(field.grid.size), Format::Rgba16Unorm, &texels)
         }
         _ => {
             let texels = volumes[index].texels.take().ok_or_else(|| RenderError::Unfilled(name.into()))?;
-            let [x, y, z] = texels.size;
             let format = match texels.encoding {
                 Encoding::Normals16 => Format::Rgba16Unorm,
                 Encoding::Normals8 => Format::Rgba8Unorm,
                 Encoding::Distance16 => Format::R16Unorm,
                 Encoding::Distance32 => Format::R32Float,
             };
-            encoded("distance field", Dimension::Volume(x, y, z), format, Content::Bytes(texels.bytes))
+            Encoded { name: "distance field", dimension: volume(texels.size), format, bytes: texels.bytes }
         }
     })
+}
+
+/// Resolves a binding to the index of its object, and to its name without the object's suffix.
+fn object_image<'a>(items: &[ObjectInputs<'_>], name: &'a str) -> Option<(usize, &'a str)> {
+    let base =
+        |item: &ObjectInputs<'_>| name.strip_suffix(item.suffix.as_str()).filter(|base| base.ends_with("_image"));
+    (0..items.len()).rev().find_map(|index| Some((index, base(&items[index])?)))
 }

@@ -2,7 +2,7 @@
 //!
 //! Invariant: a block depends on its [`Recipe`] alone, under which the disk cache keeps it.
 
-use super::encoded::{Content, Encoded};
+use super::encoded::Encoded;
 use crate::field::Progress;
 use crate::gpu::{Dimension, Format};
 use crate::noise::{Bake, Block, Noise, SEED, Weights, blue_noise, random_block, random_mean as mean_of_random};
@@ -106,18 +106,16 @@ impl Recipe {
 /// finished share of a block, from any thread.
 pub(crate) fn block(scene: &Scene, name: &str, progress: Progress<'_>) -> Option<Encoded> {
     let row = |name, index: usize| {
-        let texels = texture::table_rows(&Noise::new(SEED, weights(scene)))[index].clone();
-        let (dimension, format) = (Dimension::Line(256), Format::Rgba32Float);
-        Some(Encoded { name, dimension, format, content: Content::Floats(texels) })
+        let texels = &texture::table_rows(&Noise::new(SEED, weights(scene)))[index];
+        Some(Encoded::new(name, Dimension::Line(256), Format::Rgba32Float, texels))
     };
     match name {
         "permutation_image" => return row("permutation", 0),
         "gradient_image" => return row("table of gradients", 1),
         "phase_image" => {
             static TILE: OnceLock<Vec<f32>> = OnceLock::new();
-            let content = Content::Floats(TILE.get_or_init(|| blue_noise(PHASES)).clone());
-            let dimension = Dimension::Plane(PHASES as u32, PHASES as u32);
-            return Some(Encoded { name: "phases of the pixels", dimension, format: Format::R32Float, content });
+            let (texels, side) = (TILE.get_or_init(|| blue_noise(PHASES)), PHASES as u32);
+            return Some(Encoded::new("phases of the pixels", Dimension::Plane(side, side), Format::R32Float, texels));
         }
         _ => {}
     }
@@ -131,8 +129,8 @@ pub(crate) fn block(scene: &Scene, name: &str, progress: Progress<'_>) -> Option
         (_, Depth::Sixteen) => Format::Rgba16Unorm,
         (_, Depth::Float) => Format::Rgba32Float,
     };
-    let content = Content::Bytes(recipe.levels(size, faded, depth, progress));
-    Some(Encoded { name, dimension: Dimension::Volume(size, size, size), format, content })
+    let bytes = recipe.levels(size, faded, depth, progress);
+    Some(Encoded { name, dimension: Dimension::Volume(size, size, size), format, bytes })
 }
 
 /// Text of all that a noise block or table depends on; `None` for other images.
@@ -208,7 +206,7 @@ mod tests {
                 let [first, second] = [0, 1].map(|_| {
                     let block = block(&scene, name, &|done| told.lock().unwrap().push(done)).unwrap();
                     assert_eq!(block.dimension, Dimension::Volume(size, size, size));
-                    block.bytes().to_vec()
+                    block.bytes
                 });
                 assert_eq!(first, second, "{name}: made, and made again or read");
                 let told = told.into_inner().unwrap();

@@ -1,6 +1,6 @@
 //! Inputs of one object of a scene: its volume and the storage of its distances.
 
-use crate::render::camera::ObjectView;
+use crate::render::camera::{FrameContext, ObjectView};
 use crate::render::error::RenderError;
 use crate::render::subject::Subject;
 use crate::render::texture;
@@ -32,31 +32,13 @@ pub(crate) struct ObjectInputs<'a> {
 }
 
 impl<'a> ObjectInputs<'a> {
-    pub(crate) fn of(
-        own: &'a ObjectView,
-        scene: &Scene,
-        subject: &'a Subject,
-        variant: &'a Variant,
-        stored: StoredDistance,
-    ) -> ObjectInputs<'a> {
-        match own.name.as_str() {
-            "" => ObjectInputs {
-                suffix: String::new(),
-                own,
-                scene: scene.clone(),
-                subject,
-                parameters: &variant.parameters,
-                stored,
-            },
-            name => ObjectInputs {
-                suffix: format!("_{name}"),
-                own,
-                scene: scene.alone(name),
-                subject: &subject.parts[name],
-                parameters: &variant.parts[name],
-                stored,
-            },
-        }
+    pub(crate) fn of(frame: &'a FrameContext, view: &'a ObjectView, stored: StoredDistance) -> ObjectInputs<'a> {
+        let FrameContext { scene, subject, variant, .. } = frame;
+        let (suffix, scene, subject, parameters) = match view.name.as_str() {
+            "" => (String::new(), scene.clone(), subject, &variant.parameters),
+            name => (format!("_{name}"), scene.alone(name), &subject.parts[name], &variant.parts[name]),
+        };
+        ObjectInputs { suffix, own: view, scene, subject, parameters, stored }
     }
 
     /// Volume of the object; `None` for a formula.

@@ -2,11 +2,11 @@
 
 use super::noise_blocks;
 use super::object_inputs::ObjectInputs;
-use crate::render::camera::{SlicePlanes, SubFrame, View, slant};
+use crate::render::camera::{FrameContext, SubFrame, View, slant};
 use crate::render::error::RenderError;
 use crate::render::texture::transfer_texel;
 use crate::render::variant::{Program, Resource, Use, Variant};
-use crate::scene::{Integration, Jitter, ParameterValue, Scene};
+use crate::scene::{Integration, Jitter, ParameterValue};
 use std::collections::HashMap;
 
 /// Name of the time in `interface.glsl`.
@@ -26,8 +26,9 @@ pub(crate) fn blocks(program: &Program, values: &Values) -> Result<Vec<(Resource
 }
 
 /// Members that differ between sub-frames.
-pub(crate) fn moment(scene: &Scene, view: &View, sub_frame: &SubFrame) -> [(String, Vec<f32>); 4] {
-    let [width, height] = scene.image.size.map(|side| 2.0 / side as f32);
+pub(crate) fn moment(frame: &FrameContext, sub_frame: &SubFrame) -> [(String, Vec<f32>); 4] {
+    let (view, size) = (&frame.view, frame.scene.image.size);
+    let [width, height] = size.map(|side| 2.0 / side as f32);
     let [x, y] = [sub_frame.offset[0] * width - view.pan[0], sub_frame.offset[1] * height - view.pan[1]];
     // Slices are rasterized at pixel centers, so they move against the offset of the rays.
     let projection = glam::Mat4::from_translation(glam::Vec3::new(-x, -y, 0.0)) * view.projection;
@@ -40,13 +41,8 @@ pub(crate) fn moment(scene: &Scene, view: &View, sub_frame: &SubFrame) -> [(Stri
 }
 
 /// All other members of the blocks of `interface.glsl` and `part.glsl`, and all parameters.
-pub(crate) fn values(
-    scene: &Scene,
-    variant: &Variant,
-    view: &View,
-    items: &[ObjectInputs<'_>],
-    planes: &SlicePlanes,
-) -> Values {
+pub(crate) fn values(frame: &FrameContext, items: &[ObjectInputs<'_>]) -> Values {
+    let FrameContext { scene, variant, view, planes, .. } = frame;
     let mut values = HashMap::new();
     let mut set = |name: &str, floats: &[f32]| drop(values.insert(name.to_string(), floats.to_vec()));
     set("texture_matrix", &view.texture_matrix.to_cols_array());
@@ -62,8 +58,8 @@ pub(crate) fn values(
     set("first_depth", &[planes.first_depth]);
     set("slice_count", &[planes.count as f32]);
     set("full_opacity", &[1.0 - scene.quality.early_termination]);
-    let reach = sample_reach(scene, variant, view, planes);
-    let shift = if scene.quality.jitter == Jitter::None { 0.0 } else { 0.5 * longest_step(scene, view, planes) };
+    let reach = sample_reach(frame);
+    let shift = if scene.quality.jitter == Jitter::None { 0.0 } else { 0.5 * longest_step(frame) };
     set("slice_axis", &view.axis.extend(0.0).to_array());
     let transport = scene.light.transport.linear();
     set("transport_color", &[transport[0], transport[1], transport[2], 1.0]);
@@ -144,17 +140,17 @@ fn set_object(item: &ObjectInputs<'_>, view: &View, set: &mut dyn FnMut(&str, &[
 const WARPED: f32 = 2.0;
 
 /// Distance along the ray within which a sample looks for matter, object units; 0 if it stands for its point alone.
-fn sample_reach(scene: &Scene, variant: &Variant, view: &View, planes: &SlicePlanes) -> f32 {
-    let steps = match scene.quality.integration {
+fn sample_reach(frame: &FrameContext) -> f32 {
+    let steps = match frame.scene.quality.integration {
         Integration::Segment => 0.5,
-        Integration::Point => f32::from(u8::from(variant.looks_back)),
+        Integration::Point => f32::from(u8::from(frame.variant.looks_back)),
     };
-    steps * longest_step(scene, view, planes)
+    steps * longest_step(frame)
 }
 
 /// Distance to the matter within which a point sample searches along its ray, object units.
-pub(crate) fn looked_for(scene: &Scene, variant: &Variant, view: &View, planes: &SlicePlanes) -> f32 {
-    steepness(variant) * sample_reach(scene, variant, view, planes)
+pub(crate) fn search_distance(frame: &FrameContext) -> f32 {
+    steepness(&frame.variant) * sample_reach(frame)
 }
 
 fn steepness(variant: &Variant) -> f32 {
@@ -162,6 +158,6 @@ fn steepness(variant: &Variant) -> f32 {
 }
 
 /// Longest step along a ray, object units.
-fn longest_step(scene: &Scene, view: &View, planes: &SlicePlanes) -> f32 {
-    planes.step * slant(scene, view) / glam::Vec3::from(scene.object.stretch).min_element()
+fn longest_step(frame: &FrameContext) -> f32 {
+    frame.planes.step * slant(&frame.scene, &frame.view) / glam::Vec3::from(frame.scene.object.stretch).min_element()
 }
