@@ -345,7 +345,7 @@ impl Renderer {
 
 #[cfg(test)]
 mod tests {
-    use super::submission_budget::SubmissionBudget;
+    use super::super::submission_budget::SubmissionBudget;
     use super::*;
     use crate::gpu::Options;
     use crate::scene::{Pass, Proxy};

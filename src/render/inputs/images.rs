@@ -14,7 +14,6 @@ use crate::render::error::RenderError;
 use crate::render::texture;
 use crate::render::texture::{Bricks, Encoding, Texels};
 use crate::render::variant::{Program, Resource, Use};
-use crate::scene::Scene;
 use crate::shader::Library;
 use std::cell::Cell;
 

@@ -81,7 +81,7 @@ pub fn classify<E: Send>(
 
 #[cfg(test)]
 mod tests {
-    use super::tests::ramp;
+    use super::super::transfer::tests::ramp;
     use super::*;
     use crate::scene::Curve;
 

@@ -112,7 +112,7 @@ pub(super) mod tests {
         }
     }
 
-    pub(super) fn ramp(curve: Curve) -> Transfer {
+    pub(crate) fn ramp(curve: Curve) -> Transfer {
         let stop = |at, density| Stop { at, color: Color([255; 3]), density, index: 1.0 };
         Transfer { curve, stops: vec![stop(0.2, 0.0), stop(0.4, 1.0), stop(0.8, 0.25)] }
     }

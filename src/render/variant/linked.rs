@@ -126,7 +126,7 @@ fn save(key: blake3::Hash, [vertex, fragment]: &Stages) {
 
 #[cfg(all(test, feature = "glsl"))]
 mod tests {
-    use super::program::words;
+    use super::super::program::words;
     use super::*;
     use crate::shader::compile::refusal;
 
