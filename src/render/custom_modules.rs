@@ -84,7 +84,12 @@ pub fn try_custom_modules(
 }
 
 /// Adds the responsible custom module to an error of non-finite pixels.
-pub(crate) fn explained(error: RenderError, library: &Library, scene: &Scene, subject: &Subject) -> RenderError {
+pub(crate) fn with_module_cause(
+    error: RenderError,
+    library: &Library,
+    scene: &Scene,
+    subject: &Subject,
+) -> RenderError {
     let (RenderError::NotFinite { count, x, y, .. }, Ok(variant)) = (&error, Variant::of(scene, library)) else {
         return error;
     };

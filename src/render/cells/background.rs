@@ -25,7 +25,7 @@ const FARTHER: f64 = 4.0;
 /// Proof thread and the latest proven cells.
 pub(crate) struct BackgroundCells {
     library: Library,
-    prover: ProverThread,
+    thread_state: ProverThread,
     proven: Option<Proven>,
     /// Time of the previous picture.
     last: Option<f32>,
@@ -65,8 +65,8 @@ struct Job {
 
 impl BackgroundCells {
     pub(crate) fn new(library: &Library) -> BackgroundCells {
-        let prover = ProverThread::Idle(CellProver::Idle(0));
-        BackgroundCells { library: library.clone(), prover, proven: None, last: None, here: Arc::new(()) }
+        let thread_state = ProverThread::Idle(CellProver::Idle(0));
+        BackgroundCells { library: library.clone(), thread_state, proven: None, last: None, here: Arc::new(()) }
     }
 
     /// The cell grid of a picture as an image; `None` if no cell is known to be empty. `images` describes those of its
@@ -100,24 +100,24 @@ impl BackgroundCells {
     pub(crate) fn found(&self) -> (bool, f32) {
         let texels = self.proven.iter().flat_map(|proven| &proven.texels);
         let (empty, all) = texels.fold((0, 0), |(empty, all), away| (empty + u32::from(*away > 0), all + 1));
-        let is_done = matches!(&self.prover, ProverThread::Running(thread) if thread.is_finished());
+        let is_done = matches!(&self.thread_state, ProverThread::Running(thread) if thread.is_finished());
         (is_done, empty as f32 / all.max(1) as f32)
     }
 
     /// Takes the result of a finished thread.
     fn take(&mut self) {
-        let is_done = matches!(&self.prover, ProverThread::Running(thread) if thread.is_finished());
+        let is_done = matches!(&self.thread_state, ProverThread::Running(thread) if thread.is_finished());
         if !is_done {
             return;
         }
         let unmade = ProverThread::Idle(CellProver::Idle(0));
-        let ProverThread::Running(thread) = std::mem::replace(&mut self.prover, unmade) else { return };
+        let ProverThread::Running(thread) = std::mem::replace(&mut self.thread_state, unmade) else { return };
         match thread.join() {
-            Ok(Ok((decider, proven))) => {
-                self.prover = ProverThread::Idle(decider);
+            Ok(Ok((prover, proven))) => {
+                self.thread_state = ProverThread::Idle(prover);
                 self.proven = proven.or(self.proven.take());
             }
-            Ok(Err(error)) => self.prover = ProverThread::Idle(CellProver::Unavailable(error.to_string())),
+            Ok(Err(error)) => self.thread_state = ProverThread::Idle(CellProver::Unavailable(error.to_string())),
             Err(reason) => std::panic::resume_unwind(reason),
         }
     }
@@ -131,7 +131,7 @@ impl BackgroundCells {
         times: [f32; 2],
         images: impl FnOnce() -> BTreeMap<String, ImageInfo>,
     ) {
-        let texels = match &self.prover {
+        let texels = match &self.thread_state {
             ProverThread::Idle(CellProver::Idle(texels)) => *texels,
             ProverThread::Idle(CellProver::Ready(bounded)) => bounded.texels,
             _ => return,
@@ -141,7 +141,7 @@ impl BackgroundCells {
             return;
         }
         let unmade = ProverThread::Idle(CellProver::Idle(texels));
-        let ProverThread::Idle(decider) = std::mem::replace(&mut self.prover, unmade) else { return };
+        let ProverThread::Idle(prover) = std::mem::replace(&mut self.thread_state, unmade) else { return };
         let job = Job {
             library: self.library.clone(),
             frame: frame.clone(),
@@ -151,8 +151,8 @@ impl BackgroundCells {
             is_cpu,
         };
         let here = Arc::downgrade(&self.here);
-        let prove = move || job.prove(decider, &|| here.strong_count() == 0);
-        self.prover = match thread::Builder::new().stack_size(STACK).spawn(prove) {
+        let prove = move || job.prove(prover, &|| here.strong_count() == 0);
+        self.thread_state = match thread::Builder::new().stack_size(STACK).spawn(prove) {
             Ok(thread) => ProverThread::Running(thread),
             Err(error) => ProverThread::Idle(CellProver::Unavailable(format!("no thread proves them: {error}"))),
         };
@@ -172,20 +172,20 @@ impl Job {
     /// Loads the prover if necessary, and proves cells if they pay, unless told to `stop`.
     fn prove(
         self,
-        mut decider: CellProver,
+        mut prover: CellProver,
         stop: &dyn Fn() -> bool,
     ) -> Result<(CellProver, Option<Proven>), RenderError> {
         let frame = &self.frame;
         let side_of = |texels| side(self.is_cpu, frame, texels, false, SHARED);
-        if let CellProver::Idle(_) = decider {
+        if let CellProver::Idle(_) = prover {
             let image_of = |name: &str| self.images.get(name).cloned();
-            decider = CellProver::new(&self.library, frame, &image_of, |texels| side_of(texels) > 0)?;
+            prover = CellProver::new(&self.library, frame, &image_of, |texels| side_of(texels) > 0)?;
         }
-        decider.wait(stop)?;
-        let CellProver::Ready(bounded) = &mut decider else { return Ok((decider, None)) };
+        prover.wait(stop)?;
+        let CellProver::Ready(bounded) = &mut prover else { return Ok((prover, None)) };
         let boxes = CellGrid::of(frame, side_of(bounded.texels)).wider(FARTHER);
         if boxes.side == 0 {
-            return Ok((decider, None));
+            return Ok((prover, None));
         }
         let read = bounded.fill(&self.values, [self.times[0]; 2])?;
         bounded.fill(&self.values, self.times)?;
@@ -196,6 +196,6 @@ impl Job {
         let texels = if empty.contains(&true) { distances(&empty, boxes.side as usize) } else { Vec::new() };
         let (reads, timeless) = (bounded.reads.clone(), bounded.reads.timeless(&self.values)?);
         let proven = Proven { reads, timeless, times, is_best, boxes, texels, image: None };
-        Ok((decider, Some(proven)))
+        Ok((prover, Some(proven)))
     }
 }

@@ -4,10 +4,10 @@
 //! fine. Invariant: a cell is empty only if proven, so that a picture is equal with cells and without; an undecided
 //! cell may hold matter.
 
-use super::prover::{CellGrid, CellProver, SIDES};
+use super::prover::{CellGrid, CellProver, SIDES, deciding};
+use super::slice_tiles;
 use super::tiles::Tiles;
 use super::time_span::TimeSpan;
-use super::{prover, slice_tiles};
 use crate::gpu::{Area, Dimension, Format, Gpu, Image, Uploads};
 use crate::render::camera::FrameContext;
 use crate::render::error::RenderError;
@@ -66,7 +66,7 @@ impl std::fmt::Display for CellStats {
 /// Empty cells of a scene's pictures.
 pub(crate) struct EmptyCells {
     library: Library,
-    decider: CellProver,
+    prover: CellProver,
     /// Statistics of the latest cells.
     found: CellStats,
     /// Inputs of the proofs; `None` without cells.
@@ -85,10 +85,10 @@ pub(crate) struct EmptyCells {
 
 impl EmptyCells {
     pub(crate) fn new(library: &Library) -> EmptyCells {
-        let (library, decider) = (library.clone(), CellProver::Idle(0));
+        let (library, prover) = (library.clone(), CellProver::Idle(0));
         EmptyCells {
             library,
-            decider,
+            prover,
             found: CellStats::default(),
             key: None,
             span: TimeSpan::default(),
@@ -109,7 +109,7 @@ impl EmptyCells {
         if !serve(frame, &self.library) {
             return true;
         }
-        match self.decider {
+        match self.prover {
             CellProver::Idle(texels) | CellProver::Loading(texels, _) => {
                 side(gpu.info().cpu, frame, texels, self.is_first, 1) == 0
             }
@@ -134,18 +134,18 @@ impl EmptyCells {
         }
         let is_first = std::mem::replace(&mut self.is_first, false);
         let side_of = |texels, pictures| side(gpu.info().cpu, frame, texels, is_first, pictures);
-        if let CellProver::Idle(texels) = self.decider
+        if let CellProver::Idle(texels) = self.prover
             && side_of(texels, 1) > 0
         {
-            self.decider = CellProver::new(&self.library, frame, image_of, |texels| side_of(texels, 1) > 0)?;
+            self.prover = CellProver::new(&self.library, frame, image_of, |texels| side_of(texels, 1) > 0)?;
         }
-        if let CellProver::Loading(texels, _) = self.decider
+        if let CellProver::Loading(texels, _) = self.prover
             && side_of(texels, 1) > 0
         {
-            self.decider.wait(stop)?;
+            self.prover.wait(stop)?;
         }
         let few = || (None, Err::<(Vec<bool>, bool), String>("so few samples are not worth it".into()));
-        let (key, empty) = match &mut self.decider {
+        let (key, empty) = match &mut self.prover {
             CellProver::Idle(_) | CellProver::Loading(..) => few(),
             CellProver::Unavailable(why) => (None, Err(why.clone())),
             CellProver::Ready(bounded) => match CellGrid::of(frame, side_of(bounded.texels, self.span.shared())) {
@@ -219,7 +219,7 @@ fn part(empty: &[bool]) -> f32 {
 /// # Errors
 /// As [`Variant::program`].
 pub fn link(variant: &Variant, scene: &Scene, library: &Library) -> Result<(), VariantError> {
-    prover::deciding(variant, scene, library).map(drop)
+    deciding(variant, scene, library).map(drop)
 }
 
 /// Whether a picture is drawn faster with known empty cells: by all rays whose program asks for them.

@@ -24,9 +24,9 @@ use std::collections::hash_map::Entry;
 use std::rc::Rc;
 
 /// Prefixes of metadata, and of settings that always have an effect.
-const BESIDE: [&str; 6] = ["about", "preset", "modules.", "image.", "quality.samples", "object.input"];
+const ALWAYS_USED: [&str; 6] = ["about", "preset", "modules.", "image.", "quality.samples", "object.input"];
 /// Tables of settings to test.
-const LOOKED_AT: [&str; 5] = ["object", "effect", "material", "light", "camera"];
+const TESTED_TABLES: [&str; 5] = ["object", "effect", "material", "light", "camera"];
 /// Values that place the vertices of slices.
 const VERTEX_VALUES: [&str; 7] =
     ["projection", "texture_matrix", "object_matrix", "display_matrix", "box_min", "box_max", "box_margin"];
@@ -36,21 +36,21 @@ const VERTEX_VALUES: [&str; 7] =
 ///
 /// Empty if the scene does not link; undecidable fields are not listed.
 pub fn unused_overrides(library: &Library, subject: &Subject, base: &Scene, scene: &Scene) -> Vec<String> {
-    let mut judge = PictureComparer::new(library, subject);
+    let mut comparer = PictureComparer::new(library, subject);
     let before: HashMap<String, String> =
         base.fields().into_iter().map(|(name, value)| (name, value.to_string())).collect();
     let set = scene.fields().into_iter().map(|(name, value)| (name, value.to_string()));
     let set: Vec<(String, String)> = set
-        .filter(|(name, value)| before.get(name) != Some(value) && !BESIDE.iter().any(|b| name.starts_with(b)))
+        .filter(|(name, value)| before.get(name) != Some(value) && !ALWAYS_USED.iter().any(|b| name.starts_with(b)))
         .collect();
     if set.is_empty() {
         return Vec::new();
     }
-    let Ok(own) = judge.essence(scene) else { return Vec::new() };
+    let Ok(own) = comparer.fingerprint(scene) else { return Vec::new() };
     let changes_nothing = |(name, _): &&(String, String)| {
         let mut without = scene.clone();
         let old = before.get(name).map_or("", String::as_str);
-        without.set_field(name, old).is_ok() && judge.same_picture(scene, own, &without)
+        without.set_field(name, old).is_ok() && comparer.same_picture(scene, own, &without)
     };
     set.iter().filter(changes_nothing).map(|(name, value)| format!("{name} = {value}")).collect()
 }
@@ -59,17 +59,22 @@ pub fn unused_overrides(library: &Library, subject: &Subject, base: &Scene, scen
 /// of a number's usual range, and all valid choices without parameters of absent modules. A value that selects another
 /// program counts as a change. Never lists texts, `quality` or `image`. Returns an empty list when `is_over` returns
 /// true.
-pub fn unused_settings(library: &Library, subject: &Subject, scene: &Scene, is_over: &dyn Fn() -> bool) -> Vec<String> {
-    let mut judge = PictureComparer::new(library, subject);
-    let (Ok(variant), Ok(own)) = (Variant::of(scene, library), judge.essence(scene)) else { return Vec::new() };
+pub fn unused_settings(
+    library: &Library,
+    subject: &Subject,
+    scene: &Scene,
+    is_cancelled: &dyn Fn() -> bool,
+) -> Vec<String> {
+    let mut comparer = PictureComparer::new(library, subject);
+    let (Ok(variant), Ok(own)) = (Variant::of(scene, library), comparer.fingerprint(scene)) else { return Vec::new() };
     let values: HashMap<String, String> =
         scene.fields().into_iter().map(|(name, value)| (name, value.to_string())).collect();
     let parts = values.keys().filter(|name| name.starts_with("parts.")).map(String::as_str);
     let names = SETTINGS.iter().map(|setting| setting.name).chain(parts);
     let mut idle = Vec::new();
     for name in names {
-        let Some(setting) = setting(name).filter(|setting| LOOKED_AT.contains(&setting.table())) else { continue };
-        if is_over() {
+        let Some(setting) = setting(name).filter(|setting| TESTED_TABLES.contains(&setting.table())) else { continue };
+        if is_cancelled() {
             return Vec::new();
         }
         let with = |other: &String| {
@@ -83,7 +88,7 @@ pub fn unused_settings(library: &Library, subject: &Subject, scene: &Scene, is_o
         let changes_nothing = |other: &Scene| {
             let same_program =
                 Variant::of(other, library).is_ok_and(|of| of.key() == variant.key() && of.entries == variant.entries);
-            same_program && judge.same_picture(scene, own, other)
+            same_program && comparer.same_picture(scene, own, other)
         };
         // Without a valid alternative, a module is unused if the program does not reach its slot; other settings are
         // used.
@@ -100,9 +105,9 @@ pub fn unused_settings(library: &Library, subject: &Subject, scene: &Scene, is_o
 
 /// Whether scenes of one subject all have equal pictures.
 pub fn same_pictures(library: &Library, subject: &Subject, mut scenes: impl Iterator<Item = Scene>) -> bool {
-    let mut judge = PictureComparer::new(library, subject);
-    let first = scenes.next().and_then(|first| Some((judge.essence(&first).ok()?, first)));
-    first.is_some_and(|(own, first)| scenes.all(|other| judge.same_picture(&first, own, &other)))
+    let mut comparer = PictureComparer::new(library, subject);
+    let first = scenes.next().and_then(|first| Some((comparer.fingerprint(&first).ok()?, first)));
+    first.is_some_and(|(own, first)| scenes.all(|other| comparer.same_picture(&first, own, &other)))
 }
 
 /// Alternative values of a setting, in the syntax of scene files.
@@ -148,7 +153,7 @@ impl<'a> PictureComparer<'a> {
 
     /// Whether another scene has an equal picture; `own` is the fingerprint of the first. Undecidable pictures differ.
     fn same_picture(&mut self, scene: &Scene, own: Hash, other: &Scene) -> bool {
-        let same = self.same_subject(scene, other).and_then(|same| Ok(same && self.essence(other)? == own));
+        let same = self.same_subject(scene, other).and_then(|same| Ok(same && self.fingerprint(other)? == own));
         same.unwrap_or(false)
     }
 
@@ -192,7 +197,7 @@ impl<'a> PictureComparer<'a> {
     }
 
     /// Hash of all that the pictures of a scene are computed from.
-    fn essence(&mut self, scene: &Scene) -> Result<Hash, RenderError> {
+    fn fingerprint(&mut self, scene: &Scene) -> Result<Hash, RenderError> {
         let mut variant = Variant::of(scene, self.library)?;
         let mut scene = scene.clone();
         if variant.module("classify").is_some_and(|module| module.starts_with("surface")) {
@@ -217,30 +222,8 @@ impl<'a> PictureComparer<'a> {
         let mut add = |what: String| {
             all.update(what.as_bytes());
         };
-        // Exhaustive pattern: every setting is hashed here, or acts through the program, its values and its images.
-        let Quality {
-            pass,
-            target,
-            order,
-            proxy,
-            early_termination,
-            msaa,
-            samples: _,
-            supersampling: _,
-            integration: _,
-            empty_space: _,
-            neutral: _,
-            reject: _,
-            jitter: _,
-            seed: _,
-            filter: _,
-            anisotropy: _,
-            block_size: _,
-            turbulence_cells: _,
-            wrap: _,
-            block_format: _,
-            block_blur: _,
-        } = &scene.quality;
+        // Other settings act through the program, its values and its images.
+        let Quality { pass, target, order, proxy, early_termination, msaa, .. } = &scene.quality;
         add(format!("{:?} {:?} {msaa} {target:?} {}", scene.entries(), scene.image.size, moments.len()));
         if *pass == Pass::Slices {
             add(format!("{order:?} {proxy:?} {:?} {:?} {:?}", frame.planes, frame.view.extent, frame.view.axis));

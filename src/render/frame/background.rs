@@ -25,15 +25,15 @@ impl BackgroundPrepare {
         library: Library,
         frame: FrameContext,
         destination: Destination,
-        made: Reusable,
+        reusable: Reusable,
     ) -> BackgroundPrepare {
         let own = frame.clone();
-        let make = move || Prepared::new(&gpu, &library, &own, destination, made, &|_| ());
+        let make = move || Prepared::new(&gpu, &library, &own, destination, reusable, &|_| ());
         BackgroundPrepare { frame, destination, thread: Some(thread::spawn(make)) }
     }
 
     /// Whether the preparation is finished, or has failed.
-    pub(crate) fn is_made(&self) -> bool {
+    pub(crate) fn is_finished(&self) -> bool {
         self.thread.as_ref().is_none_or(JoinHandle::is_finished)
     }
 
@@ -46,7 +46,7 @@ impl BackgroundPrepare {
     }
 
     /// Waits for the result.
-    pub(crate) fn made(mut self) -> Result<Prepared, RenderError> {
+    pub(crate) fn join(mut self) -> Result<Prepared, RenderError> {
         match self.thread.take().map(JoinHandle::join) {
             Some(Ok(made)) => made,
             Some(Err(reason)) => std::panic::resume_unwind(reason),

@@ -25,9 +25,9 @@ pub(crate) struct BoundInputs {
     /// Empty cells, if the program or its slices use them.
     cells: Option<EmptyCells>,
     /// Empty cells of recorded pictures.
-    beside: BackgroundCells,
+    background_cells: BackgroundCells,
     /// Grid of a single non-empty cell, if the program reads cells.
-    open: Option<Arc<Image>>,
+    full_cell: Option<Arc<Image>>,
     /// Latest values of the blocks.
     values: Values,
 }
@@ -63,10 +63,10 @@ impl BoundInputs {
             sparse: inputs.sparse,
             holds_parameters: inputs.holds_parameters,
             stored: inputs.stored().clone(),
-            open: program.reads(CELLS).then(|| cells::image(gpu, &uploads, 1, &[0])).transpose()?,
+            full_cell: program.reads(CELLS).then(|| cells::image(gpu, &uploads, 1, &[0])).transpose()?,
             uploads,
             cells,
-            beside: BackgroundCells::new(library),
+            background_cells: BackgroundCells::new(library),
             values: Values::new(),
         })
     }
@@ -84,7 +84,7 @@ impl BoundInputs {
         let image_of = |name: &str| image_of(program, &self.images, name);
         let update = |cells: &mut EmptyCells| cells.update(gpu, frame, &self.values, &image_of, stop);
         self.cells.as_mut().map(update).transpose()?;
-        if self.open.is_some() {
+        if self.full_cell.is_some() {
             let own = self.cells.as_mut().map(|cells| cells.image(gpu, &self.uploads)).transpose()?.flatten();
             self.set_cells(program, own);
         }
@@ -100,10 +100,10 @@ impl BoundInputs {
         sub_frame: &SubFrame,
     ) -> Result<(), RenderError> {
         self.set_blocks(gpu, program, frame, sub_frame)?;
-        if self.open.is_some() {
+        if self.full_cell.is_some() {
             let named = |own: &Resource| Some((own.name.clone(), image_of(program, &self.images, &own.name)?));
             let images = || program.resources.iter().filter_map(named).collect();
-            let own = self.beside.image(gpu, frame, &self.values, images, &self.uploads)?;
+            let own = self.background_cells.image(gpu, frame, &self.values, images, &self.uploads)?;
             self.set_cells(program, own);
         }
         Ok(())
@@ -111,7 +111,7 @@ impl BoundInputs {
 
     /// Binds the cells of a picture, or the single non-empty one.
     fn set_cells(&mut self, program: &Program, own: Option<Arc<Image>>) {
-        if let Some(image) = own.or_else(|| self.open.clone()) {
+        if let Some(image) = own.or_else(|| self.full_cell.clone()) {
             self.replace(program, CELLS, image);
         }
     }
@@ -141,7 +141,7 @@ impl BoundInputs {
     /// Whether the next recorded picture has cells, and the empty share of the latest.
     #[cfg(test)]
     pub(crate) fn recorded_cells(&self) -> (bool, f32) {
-        self.beside.found()
+        self.background_cells.found()
     }
 
     /// Statistics of the picture's cells.

@@ -27,14 +27,14 @@ pub(crate) struct Depth {
 /// # Errors
 /// [`RenderError::Depth`]; or the scene has more samples than rays may take.
 pub fn check_depth(scene: &Scene, library: &Library) -> Result<(), RenderError> {
-    by_rays(scene, library).map(drop)
+    scene_by_rays(scene, library).map(drop)
 }
 
 /// The scene with one straight ray for each pixel.
 ///
 /// # Errors
 /// As [`check_depth`].
-pub(crate) fn by_rays(scene: &Scene, library: &Library) -> Result<Scene, RenderError> {
+pub(crate) fn scene_by_rays(scene: &Scene, library: &Library) -> Result<Scene, RenderError> {
     if scene.effect.ray_path == RayPath::Refracted {
         return Err(RenderError::Depth("effect.ray_path = \"straight\""));
     }
@@ -57,7 +57,7 @@ impl Depth {
         variant: &Variant,
         made: Option<Depth>,
     ) -> Result<Depth, RenderError> {
-        let scene = by_rays(scene, library)?;
+        let scene = scene_by_rays(scene, library)?;
         let program = variant.depth(&scene, library)?.program(library, Linker::new)?;
         if let Some(made) = made.filter(|made| made.program == program) {
             return Ok(made);

@@ -85,18 +85,18 @@ impl Prepared {
         library: &Library,
         frame: &FrameContext,
         destination: Destination,
-        made: Reusable,
+        reusable: Reusable,
         progress: Progress<'_>,
     ) -> Result<Prepared, RenderError> {
         let (start, scene) = (Instant::now(), &frame.scene);
-        let (program, slots) = match made.program {
+        let (program, slots) = match reusable.program {
             Some(made) => made,
             None => (frame.variant.program(library, Linker::new)?, frame.variant.slots.clone()),
         };
         let variant = Variant { slots, ..frame.variant.clone() };
         let mut compile_ms = start.elapsed().as_secs_f64() * 1e3;
         let quality = &scene.quality;
-        let bound = made.bound.map_or_else(
+        let bound = reusable.bound.map_or_else(
             || {
                 let inputs = Inputs::new(library, frame, &program, progress)?;
                 let is_recorded = destination != Destination::Frame;
@@ -112,13 +112,15 @@ impl Prepared {
         let marks = ends_early.then(|| OpaqueMask::new(gpu, library, scene, &variant)).transpose()?;
         let heeds = if marks.is_some() { gpu::Marks::Heed } else { gpu::Marks::None };
         let shape = (scene.effect.octaves, attributes, format, quality.msaa, blend, heeds);
-        let (picture, caster, half_angle, mut depth, budget) = match made.pipelines.filter(|made| made.shape == shape) {
-            Some(made) => (made.picture, made.caster, made.half_angle, made.depth, made.budget),
-            None => {
-                let picture = bind::pipeline(gpu, &program, scene, attributes, format, quality.msaa, (blend, heeds))?;
-                (Arc::new(picture), None, None, None, SubmissionBudget::default())
-            }
-        };
+        let (picture, caster, half_angle, mut depth, budget) =
+            match reusable.pipelines.filter(|made| made.shape == shape) {
+                Some(made) => (made.picture, made.caster, made.half_angle, made.depth, made.budget),
+                None => {
+                    let picture =
+                        bind::pipeline(gpu, &program, scene, attributes, format, quality.msaa, (blend, heeds))?;
+                    (Arc::new(picture), None, None, None, SubmissionBudget::default())
+                }
+            };
         let casts = program.reads(SHADOW);
         let caster = casts.then(|| ShadowCaster::new(gpu, library, scene, &variant, caster)).transpose()?;
         let half_angle = scene.is_half_angle().then(|| HalfAngle::new(gpu, library, scene, &variant, half_angle));
@@ -153,7 +155,7 @@ impl Prepared {
         alike.image.size = self.scene.image.size;
         self.destination.serves(destination)
             && !alike.changes(&self.scene).contains(&Changes::Targets)
-            && self.reads_the_same(scene, variant)
+            && self.has_same_inputs(scene, variant)
     }
 
     /// Resizes the targets to those of a scene that fits.
@@ -169,24 +171,24 @@ impl Prepared {
     }
 
     /// Parts for another scene that the program serves.
-    pub(crate) fn made(self, scene: &Scene, variant: &Variant) -> Reusable {
-        let reads_the_same = self.reads_the_same(scene, variant);
+    pub(crate) fn into_reusable(self, scene: &Scene, variant: &Variant) -> Reusable {
+        let has_same_inputs = self.has_same_inputs(scene, variant);
         Reusable {
             program: Some((self.program, self.variant.slots)),
-            bound: reads_the_same.then_some(self.bound),
+            bound: has_same_inputs.then_some(self.bound),
             pipelines: Some(self.pipelines),
         }
     }
 
     /// Copies of the compiled parts, for another scene.
-    pub(crate) fn shared(&self) -> Reusable {
+    pub(crate) fn share(&self) -> Reusable {
         let program = Some((self.program.clone(), self.variant.slots.clone()));
         Reusable { program, bound: None, pipelines: Some(self.pipelines.clone()) }
     }
 
     /// Whether another scene has the same program and images: one that differs only in camera, time, parameters,
     /// samples and targets, with matter of equal reach.
-    pub(crate) fn reads_the_same(&self, scene: &Scene, variant: &Variant) -> bool {
+    pub(crate) fn has_same_inputs(&self, scene: &Scene, variant: &Variant) -> bool {
         // Some images depend on the step.
         let by_step = ["segment_image", "brick_image"].iter().any(|name| self.program.reads(name));
         let samples = [scene, &self.scene].map(|scene| scene.quality.samples);
@@ -198,12 +200,12 @@ impl Prepared {
         let same_settings = scene.changes(&self.scene).iter().all(|change| !anew.contains(change));
         let same_step = !by_step || samples[0] == samples[1];
         let same_tables = !self.bound.holds_parameters || scene.parameters == self.scene.parameters;
-        same_settings && same_step && same_tables && self.runs(variant) && reach(variant) == reach(&self.variant)
+        same_settings && same_step && same_tables && self.serves(variant) && reach(variant) == reach(&self.variant)
     }
 
     /// Whether the program serves a variant. Every parameter folded to 0 here must be 0 there. More zeros are fine:
     /// relinking would stall a slider.
-    pub(crate) fn runs(&self, variant: &Variant) -> bool {
+    pub(crate) fn serves(&self, variant: &Variant) -> bool {
         let [own, wanted] = [&self.variant, variant].map(|variant| {
             let modules = variant.slots.iter().filter(|(slot, _)| *slot != ZERO);
             (variant.entries, modules.collect::<Vec<_>>(), variant.slots.get(ZERO).map_or(&[][..], Vec::as_slice))

@@ -1,14 +1,14 @@
 //! The renderer: public functions from a scene to its picture.
 
 use super::background::BackgroundPrepare;
-use super::depth::by_rays;
+use super::depth::scene_by_rays;
 use super::destination::Destination;
 use super::pixels::paste_areas;
 use super::prepared::{Prepared, Reusable};
 use crate::field::Progress;
 use crate::gpu::{Area, Format, Gpu, HostCommands, Recording};
 use crate::render::camera::FrameContext;
-use crate::render::custom_modules::explained;
+use crate::render::custom_modules::with_module_cause;
 use crate::render::error::RenderError;
 use crate::render::measurements::Frame;
 use crate::render::subject::Subject;
@@ -169,7 +169,7 @@ impl Renderer {
         let mut frame = loop {
             let prepared = self.prepared(scene, &variant, Destination::Frame, &|_| ())?;
             let frame = prepared.frame(scene, &subject, &variant, areas, wanted, &*stop);
-            match frame.map_err(|error| explained(error, &self.library, scene, &subject))? {
+            match frame.map_err(|error| with_module_cause(error, &self.library, scene, &subject))? {
                 Some(frame) => break frame,
                 None => self.cut_short.push((variant.slots.clone(), scene.quality.samples)),
             }
@@ -192,7 +192,7 @@ impl Renderer {
     /// As [`render`] and [`check_depth`](crate::render::check_depth).
     pub fn render_depth(&mut self, scene: &Scene) -> Result<Vec<f32>, RenderError> {
         let (library, subject, stop) = (self.library.clone(), self.subject.clone(), self.stop.clone());
-        let scene = by_rays(scene, &library)?;
+        let scene = scene_by_rays(scene, &library)?;
         let variant = self.variant(&scene)?;
         let prepared = self.prepared(&scene, &variant, Destination::Frame, &|_| ())?;
         prepared.depth(&library, &scene, &subject, &variant, &*stop)
@@ -205,7 +205,7 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::record`].
     pub fn is_recordable(&mut self, scene: &Scene, format: Format) -> Result<bool, RenderError> {
-        self.is_made(scene, Destination::Host { format, has_depth: false })
+        self.prepare_recording(scene, Destination::Host { format, has_depth: false })
     }
 
     /// Whether [`Renderer::record`] draws a scene and its depth ([`HostCommands::with_depth`]) at once in a format.
@@ -213,21 +213,21 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::record`].
     pub fn is_recordable_with_depth(&mut self, scene: &Scene, format: Format) -> Result<bool, RenderError> {
-        self.is_made(scene, Destination::Host { format, has_depth: true })
+        self.prepare_recording(scene, Destination::Host { format, has_depth: true })
     }
 
     /// Whether a scene can be recorded at once; starts the preparation otherwise.
-    fn is_made(&mut self, scene: &Scene, destination: Destination) -> Result<bool, RenderError> {
+    fn prepare_recording(&mut self, scene: &Scene, destination: Destination) -> Result<bool, RenderError> {
         let (scene, variant) = self.recorded(scene, scene.image.size)?;
-        let is_made = self.preparing.as_ref().is_some_and(BackgroundPrepare::is_made);
-        if let Some(preparing) = self.preparing.take_if(|_| is_made) {
+        let is_finished = self.preparing.as_ref().is_some_and(BackgroundPrepare::is_finished);
+        if let Some(preparing) = self.preparing.take_if(|_| is_finished) {
             self.take(preparing, (&scene, &variant, destination))?;
         }
         if self.prepared.iter().any(|own| own.fits(&scene, &variant, destination)) {
             return Ok(true);
         }
         if self.preparing.is_none() {
-            let made = self.prepared.iter().rev().find(|own| own.runs(&variant)).map(Prepared::shared);
+            let made = self.prepared.iter().rev().find(|own| own.serves(&variant)).map(Prepared::share);
             let frame = FrameContext::with_variant(&scene, &self.subject, variant);
             let (gpu, library) = (self.gpu.clone(), self.library.clone());
             self.preparing = Some(BackgroundPrepare::new(gpu, library, frame, destination, made.unwrap_or_default()));
@@ -292,7 +292,7 @@ impl Renderer {
         wanted: (&Scene, &Variant, Destination),
     ) -> Result<(), RenderError> {
         let serves = preparing.serves(wanted.0, wanted.1, wanted.2);
-        match preparing.made() {
+        match preparing.join() {
             Ok(made) => {
                 self.prepared.push(made);
                 let more = self.prepared.len().saturating_sub(self.cache_size);
@@ -323,12 +323,12 @@ impl Renderer {
         let mut prepared = match self.prepared.iter().rposition(|own| own.fits(scene, variant, destination)) {
             Some(found) => self.prepared.remove(found),
             None => {
-                let running = self.prepared.iter().rposition(|own| own.runs(variant));
+                let running = self.prepared.iter().rposition(|own| own.serves(variant));
                 // The oldest entry is evicted first, and its reusable parts are kept.
                 let oldest = (self.prepared.len() >= self.cache_size).then(|| self.prepared.remove(0));
                 let made = match (running, oldest) {
-                    (Some(0), Some(oldest)) => oldest.made(scene, variant),
-                    (Some(found), oldest) => self.prepared[found - usize::from(oldest.is_some())].shared(),
+                    (Some(0), Some(oldest)) => oldest.into_reusable(scene, variant),
+                    (Some(found), oldest) => self.prepared[found - usize::from(oldest.is_some())].share(),
                     (None, _) => Reusable::default(),
                 };
                 let frame = FrameContext::with_variant(scene, &self.subject, variant.clone());
