@@ -26,7 +26,7 @@ pub enum RenderError {
     Classification(String, &'static str),
     /// A tabulated module reads values that change with the picture.
     #[error(
-        "modules of opacity and softness whose values a table holds read parameters and iso-values alone; use effect.classify = \"post\""
+        "tabulated modules of opacity and softness may read only parameters and iso-values; use effect.classify = \"post\""
     )]
     Table,
     /// A tabulated module cannot be evaluated.
@@ -42,12 +42,10 @@ pub enum RenderError {
     #[error("`{0}` is in no block of interface.glsl; declare it with `// @param` in a module")]
     Unfilled(String),
     /// The setting is not available for recorded pictures.
-    #[error(
-        "a picture that is recorded for a host has one sample of each pixel and no light that goes from slice to slice; use {0}"
-    )]
+    #[error("recorded pictures support neither several samples per pixel nor half-angle slices; use {0}")]
     Recorded(&'static str),
     /// The scene has no depth.
-    #[error("rays that bend, and slices that are looked at from the side, have no depth; use {0}")]
+    #[error("bent rays and a slice stack viewed from the side have no depth; use {0}")]
     Depth(&'static str),
     /// The caller stopped the picture: see [`Renderer::stop_where`](crate::render::Renderer::stop_where).
     #[error("the picture was stopped before it was finished")]
@@ -56,7 +54,7 @@ pub enum RenderError {
     #[error("{0}")]
     Worker(String),
     /// The scene crashed a worker process.
-    #[error("{0}; what else there is to draw goes on")]
+    #[error("{0}; other scenes are still drawn")]
     Ended(String),
     /// The picture has non-finite pixels.
     #[error("the picture holds {count} values that are not finite, the first at pixel {x}, {y}: {cause}")]

@@ -154,7 +154,7 @@ impl BackgroundCells {
         let prove = move || job.prove(prover, &|| here.strong_count() == 0);
         self.thread_state = match thread::Builder::new().stack_size(STACK).spawn(prove) {
             Ok(thread) => ProverThread::Running(thread),
-            Err(error) => ProverThread::Idle(CellProver::Unavailable(format!("no thread proves them: {error}"))),
+            Err(error) => ProverThread::Idle(CellProver::Unavailable(format!("cannot start a thread: {error}"))),
         };
     }
 }

@@ -144,7 +144,7 @@ impl EmptyCells {
         {
             self.prover.wait(stop)?;
         }
-        let few = || (None, Err::<(Vec<bool>, bool), String>("so few samples are not worth it".into()));
+        let few = || (None, Err::<(Vec<bool>, bool), String>("too few samples to pay for it".into()));
         let (key, empty) = match &mut self.prover {
             CellProver::Idle(_) | CellProver::Loading(..) => few(),
             CellProver::Unavailable(why) => (None, Err(why.clone())),
@@ -177,7 +177,7 @@ impl EmptyCells {
         };
         let empty = empty.and_then(|(empty, kept)| match empty.contains(&true) {
             true => Ok((empty, kept)),
-            false => Err("no bounds prove that there is no matter".to_string()),
+            false => Err("bounds prove no cell empty".to_string()),
         });
         (self.key, self.image) = (key, None);
         (self.found, self.empty) = match (&self.key, empty) {

@@ -121,7 +121,7 @@ impl CellProver {
         let read = read.filter(|resource| noise.is_none() || resource.name != bounded_noise::LOOKED_UP);
         let read: Vec<ImageInfo> = read.filter_map(|resource| image_of(&resource.name)).collect();
         if let Some(image) = read.iter().find(|image| (image.channels, image.bits) == (4, 8)) {
-            let why = format!("the {} has 8 bits, and so have its interpolated values on some devices", image.name);
+            let why = format!("the {} has 8 bits, and some devices interpolate it with 8 bits", image.name);
             return Ok(CellProver::Unavailable(why));
         }
         let texels = read.iter().map(|image| image.size.map(u64::from).iter().product::<u64>()).sum();
@@ -136,7 +136,7 @@ impl CellProver {
         let read = move || BoundedProgram::new(&library, &frame, (program, code, outline), (texels, noise));
         Ok(match thread::Builder::new().stack_size(STACK).spawn(read) {
             Ok(thread) => CellProver::Loading(texels, Some(thread)),
-            Err(error) => CellProver::Unavailable(format!("no thread reads its images: {error}")),
+            Err(error) => CellProver::Unavailable(format!("cannot start a thread: {error}")),
         })
     }
 

@@ -59,7 +59,9 @@ pub enum ReflectError {
     #[error("the linked program cannot be reflected: {0}")]
     Spirv(String),
     /// The renderer does not provide resources of this kind.
-    #[error("`{0}` is no uniform block of floats, image or sampler of set 0; declare resources in interface.glsl only")]
+    #[error(
+        "`{0}` is not a uniform block of floats, an image or a sampler of set 0; declare resources in interface.glsl only"
+    )]
     Foreign(String),
 }
 
