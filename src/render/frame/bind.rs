@@ -2,8 +2,7 @@
 
 use crate::gpu::{self, Buffer, BufferUse, Gpu, Image, Sampler, Uploads};
 use crate::render::camera::{FrameContext, SubFrame};
-use crate::render::cells;
-use crate::render::cells::{BackgroundCells, CellStats, EmptyCells, Tiles};
+use crate::render::cells::{self, BackgroundCells, CellStats, EmptyCells, Tiles};
 use crate::render::error::RenderError;
 use crate::render::inputs::{CELLS, Encoded, Filter, ImageInfo, Inputs, Sparse, StoredObjects, Values, blocks};
 use crate::render::variant::{OCTAVES_ID, Program, Resource, Use};

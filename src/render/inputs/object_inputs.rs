@@ -3,8 +3,7 @@
 use crate::render::camera::{FrameContext, ObjectView};
 use crate::render::error::RenderError;
 use crate::render::subject::Subject;
-use crate::render::texture;
-use crate::render::texture::{Encoding, Texels};
+use crate::render::texture::{self, Encoding, Texels};
 use crate::render::variant::Variant;
 use crate::scene::{Parameters, Scene, Source};
 

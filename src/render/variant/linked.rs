@@ -3,10 +3,9 @@
 use super::error::VariantError;
 use super::program::{Program, SHIPPED_PROGRAMS};
 use super::scene_variant::Variant;
-use crate::shader;
 use crate::shader::compile::{CompileError, Job, Limits, Wanted, compile, link_allowed, names};
 use crate::shader::library::Compiler;
-use crate::shader::{Library, LinkError, Linker, Slots, Stage};
+use crate::shader::{self, Library, LinkError, Linker, Slots, Stage};
 use support::disk_cache::{self, Kind};
 
 /// SPIR-V of the vertex stage and the fragment stage.
