@@ -23,7 +23,7 @@ pub use custom_modules::{FINITE, ModuleFault, try_custom_modules};
 pub use density::{Along, PolygonizeError, Polygons, densities, density_along, polygonize};
 pub use error::RenderError;
 pub use explain::{describe_frame, octaves_held, same_pictures, unused_overrides, unused_settings, warnings};
-pub use frame::{Renderer, Transmittance, check_depth, put, render, transmittance};
+pub use frame::{Renderer, Transmittance, check_depth, paste_areas, render, transmittance};
 pub use inputs::{Blocks, CpuInputs, ImageInfo, Sparse};
 pub use measurements::{Frame, Measurements};
 pub use subject::{Subject, SubjectRequest, field_margin, open, request};

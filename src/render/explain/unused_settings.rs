@@ -216,7 +216,7 @@ impl<'a> PictureComparer<'a> {
         }
         let frame = FrameContext::with_variant(scene, self.subject, variant.clone());
         let stored = StoredObjects::none(&frame.view);
-        let values = |frame: SubFrame| stored.values(&frame, &frame);
+        let values = |sub_frame: SubFrame| stored.values(&frame, &sub_frame);
         let moments: Vec<_> = SubFrame::all(scene).map(values).collect();
         let mut all = Hasher::new();
         let mut add = |what: String| {
