@@ -58,7 +58,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     window(&out)?;
     programs.sort();
     programs.dedup_by(|a, b| a.0 == b.0);
-    let mut table = String::from("pub(super) static SHIPPED_PROGRAMS: &[(&str, &[u8], &[u8])] = &[\n");
+    let mut table = String::from("static SHIPPED_PROGRAMS: &[(&str, &[u8], &[u8])] = &[\n");
     for (key, name) in &programs {
         writeln!(
             table,

@@ -8,6 +8,11 @@ use std::io::{self, Read};
 
 include!(concat!(env!("OUT_DIR"), "/programs.rs"));
 
+/// The shipped programs in the order of their keys: key, compressed vertex stage and fragment stage.
+pub(super) fn shipped_programs() -> &'static [(&'static str, &'static [u8], &'static [u8])] {
+    SHIPPED_PROGRAMS
+}
+
 /// `constant_id` of the octaves in `glsl/octave_constants.glsl`.
 pub const OCTAVES_ID: u32 = 0;
 

@@ -1,7 +1,7 @@
 //! The modules of a scene's program.
 
 use super::error::VariantError;
-use super::program::{self, Program, SHIPPED_PROGRAMS};
+use super::program::{self, Program, shipped_programs};
 use crate::noise::Period;
 use crate::render::texture;
 use crate::scene::{Color, Integration, Neutral, ParameterValue, Parameters, SHADOW_SAMPLES, Scene, Source};
@@ -267,10 +267,10 @@ impl Variant {
         linker: impl FnOnce() -> Result<Linker, LinkError>,
     ) -> Result<Program, VariantError> {
         let key = self.key();
-        let ships = SHIPPED_PROGRAMS.binary_search_by(|program| program.0.cmp(&key)).ok();
+        let ships = shipped_programs().binary_search_by(|program| program.0.cmp(&key)).ok();
         let ships = ships.filter(|_| self.entries != DEPTH_ENTRIES); // shares its modules with a picture
         let shipped = ships.filter(|_| *library == crate::shader::shipped()).and_then(|index| {
-            let (_, vertex, fragment) = SHIPPED_PROGRAMS[index];
+            let (_, vertex, fragment) = shipped_programs()[index];
             Some([program::words(vertex).ok()?, program::words(fragment).ok()?])
         });
         let is_shipped = shipped.is_some();
