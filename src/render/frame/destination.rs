@@ -1,8 +1,9 @@
 //! Destinations of pictures.
 
 use super::half_angle;
-use crate::gpu::{Blend, Format};
+use crate::gpu::{Blend, Dimension, Format, Gpu, GpuError, Image, ImageUse};
 use crate::scene::{Order, Pass, Quality, Scene, TargetFormat};
+use std::sync::Arc;
 
 /// Destination of pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,4 +44,13 @@ impl Destination {
             (Pass::Slices, Order::BackToFront) => Blend::Over,
         }
     }
+}
+
+/// Allocates the render target, and its resolve target with multisampling.
+pub(super) fn targets(gpu: &Gpu, scene: &Scene, format: Format) -> Result<(Arc<Image>, Option<Image>), GpuError> {
+    let ([width, height], msaa) = (scene.image.size, scene.quality.msaa);
+    let target =
+        |name, samples| Image::new(gpu, name, Dimension::Plane(width, height), format, ImageUse::Target(samples));
+    let resolved = (msaa > 1).then(|| target("resolved target", 1)).transpose()?;
+    Ok((Arc::new(target("target", msaa)?), resolved))
 }

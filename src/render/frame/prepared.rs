@@ -2,7 +2,7 @@
 
 use super::bind::BoundInputs;
 use super::depth::Depth;
-use super::destination::Destination;
+use super::destination::{Destination, targets};
 use super::early_exit::OpaqueMask;
 use super::half_angle::{HalfAngle, Slices};
 use super::pixels::{Mean, check_finite};
@@ -121,8 +121,8 @@ impl Prepared {
                     (Arc::new(picture), None, None, None, SubmissionBudget::default())
                 }
             };
-        let casts = program.reads(SHADOW);
-        let caster = casts.then(|| ShadowCaster::new(gpu, library, scene, &variant, caster)).transpose()?;
+        let caster =
+            program.reads(SHADOW).then(|| ShadowCaster::new(gpu, library, scene, &variant, caster)).transpose()?;
         let half_angle = scene.is_half_angle().then(|| HalfAngle::new(gpu, library, scene, &variant, half_angle));
         if let Destination::Host { has_depth: true, .. } = destination {
             depth = Some(Depth::new(gpu, library, scene, &variant, depth)?);
@@ -191,14 +191,13 @@ impl Prepared {
     pub(crate) fn has_same_inputs(&self, scene: &Scene, variant: &Variant) -> bool {
         // Some images depend on the step.
         let by_step = ["segment_image", "brick_image"].iter().any(|name| self.program.reads(name));
-        let samples = [scene, &self.scene].map(|scene| scene.quality.samples);
         let reach = |variant: &Variant| {
             let all = [&variant.parameters].into_iter().chain(variant.parts.values());
             all.map(|parameters| (parameters.outer_iso(), parameters.spread(1.0))).collect::<Vec<_>>()
         };
-        let anew = [Changes::Field, Changes::Images];
-        let same_settings = scene.changes(&self.scene).iter().all(|change| !anew.contains(change));
-        let same_step = !by_step || samples[0] == samples[1];
+        let changes = scene.changes(&self.scene);
+        let same_settings = !changes.contains(&Changes::Field) && !changes.contains(&Changes::Images);
+        let same_step = !by_step || scene.quality.samples == self.scene.quality.samples;
         let same_tables = !self.bound.holds_parameters || scene.parameters == self.scene.parameters;
         same_settings && same_step && same_tables && self.serves(variant) && reach(variant) == reach(&self.variant)
     }
@@ -387,18 +386,4 @@ impl Prepared {
         };
         Ok(Some(Frame { size: scene.image.size, pixels, measurements }))
     }
-}
-
-/// Allocates the render target, and its resolve target with multisampling.
-fn targets(
-    gpu: &Gpu,
-    scene: &Scene,
-    format: gpu::Format,
-) -> Result<(Arc<gpu::Image>, Option<gpu::Image>), gpu::GpuError> {
-    let ([width, height], msaa) = (scene.image.size, scene.quality.msaa);
-    let target = |name, samples| {
-        gpu::Image::new(gpu, name, gpu::Dimension::Plane(width, height), format, gpu::ImageUse::Target(samples))
-    };
-    let resolved = (msaa > 1).then(|| target("resolved target", 1)).transpose()?;
-    Ok((Arc::new(target("target", msaa)?), resolved))
 }
