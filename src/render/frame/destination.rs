@@ -24,6 +24,7 @@ impl Destination {
             _ => self == other,
         }
     }
+
     /// Format of the target.
     pub(crate) fn format(self, quality: &Quality) -> Format {
         match (self, quality.target) {
