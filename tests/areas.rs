@@ -7,7 +7,7 @@ mod common;
 
 use common::{picture, subject, with_gpu};
 use hypertexture::gpu::Area;
-use hypertexture::render::{RenderError, Renderer, Subject, put};
+use hypertexture::render::{RenderError, Renderer, Subject, paste_areas};
 use hypertexture::scene::{Pass, Scene, preset};
 use hypertexture::shader;
 use std::sync::Arc;
@@ -40,7 +40,7 @@ fn areas_of_a_picture_are_those_of_the_whole_bit_for_bit_in_any_order() {
             let left = [area([0, 30], [10, 50]), area([64, 75], [10, 50]), area([30, 64], [41, 50])];
             for areas in [&[middle, top][..], &left[..]] {
                 let frame = renderer.render_areas(&scene, areas, None).unwrap();
-                put(&frame.pixels, areas, 75, &mut pixels);
+                paste_areas(&frame.pixels, areas, 75, &mut pixels);
             }
             assert!(pixels == whole.pixels, "{effect} {pass:?}");
         }
@@ -114,7 +114,7 @@ fn what_a_renderer_keeps_is_there_when_its_scene_comes_back() {
         let mut other = own.clone();
         other.quality.pass = Pass::Slices;
         let mut renderer = Renderer::new(gpu, &library, &subject);
-        renderer.keep(2);
+        renderer.set_cache_size(2);
         let first = [&own, &other].map(|scene| renderer.render(scene).unwrap());
         assert!(first.iter().all(|frame| frame.measurements.compile_ms > 0.0));
         for (scene, first) in [(&own, &first[0]), (&other, &first[1]), (&own, &first[0])] {

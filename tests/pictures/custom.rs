@@ -2,7 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a test fails where a scene is not as described")]
 
 use crate::common::{subject, with_gpu};
-use hypertexture::render::{Fault, RenderError, render, watch};
+use hypertexture::render::{ModuleFault, RenderError, render, try_custom_modules};
 use hypertexture::scene::{EmptySpace, ParameterValue, Pass, Scene, preset};
 use hypertexture::shader::{self, Library};
 
@@ -26,12 +26,12 @@ fn scene(dmfs: &[(&str, &str)]) -> (Scene, Library) {
     (scene, library)
 }
 
-fn fault(scene: &Scene, library: &Library) -> Option<Fault> {
-    watch(library, scene, &subject(scene, library)).unwrap_or_else(|error| panic!("{error}"))
+fn fault(scene: &Scene, library: &Library) -> Option<ModuleFault> {
+    try_custom_modules(library, scene, &subject(scene, library)).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn refusal(scene: &Scene, library: &Library) -> String {
-    match watch(library, scene, &subject(scene, library)) {
+    match try_custom_modules(library, scene, &subject(scene, library)) {
         Err(error @ RenderError::Loop { .. }) => error.to_string(),
         other => panic!("{other:?}: {:?} by {:?}", scene.effect.dmf, scene.quality.pass),
     }

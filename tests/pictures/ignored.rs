@@ -4,7 +4,7 @@
 use crate::common::{picture, subject, with_gpu};
 use crate::engine::{projection, view};
 use hypertexture::gpu::Gpu;
-use hypertexture::render::{idle, ignored};
+use hypertexture::render::{unused_overrides, unused_settings};
 use hypertexture::scene::{Pass, Scene, preset};
 use hypertexture::shader;
 use std::path::Path;
@@ -120,7 +120,7 @@ fn check_fields(gpu: &Gpu, name: &str, base: &Scene, fields: &[(&str, &str)]) {
             continue; // what is refused is told
         }
         let subject = subject(&set, &library);
-        let is_said = !ignored(&library, &subject, base, &set).is_empty();
+        let is_said = !unused_overrides(&library, &subject, base, &set).is_empty();
         let is_same = picture(gpu, &library, &set, &subject).pixels == plain.pixels;
         said.extend(is_said.then_some(field));
         let undecided = UNDECIDED.contains(&(name, format!("{field} = {value}").as_str()));
@@ -215,7 +215,7 @@ fn what_is_ignored_in_glass_and_in_sums_of_noise() {
             set.check(&library).unwrap();
             let subject = subject(&set, &library);
             let same = picture(gpu, &library, base, &subject).pixels == picture(gpu, &library, &set, &subject).pixels;
-            let said = !ignored(&library, &subject, base, &set).is_empty();
+            let said = !unused_overrides(&library, &subject, base, &set).is_empty();
             assert_eq!(said, same, "{field} = {value}");
             said
         };
@@ -235,16 +235,16 @@ fn nothing_is_said_of_what_was_not_set_or_only_makes_it_sooner() {
     let library = shader::shipped();
     let base = scene("fire", "sphere", |s| s.quality.pass = Pass::March);
     let subject = subject(&base, &library);
-    assert!(ignored(&library, &subject, &base, &base).is_empty());
+    assert!(unused_overrides(&library, &subject, &base, &base).is_empty());
     let mut fixed = base.clone();
     fixed.set_field("quality.empty_space", "sample").unwrap();
-    assert!(ignored(&library, &subject, &base, &fixed).is_empty(), "the same picture, later");
+    assert!(unused_overrides(&library, &subject, &base, &fixed).is_empty(), "the same picture, later");
     let mut several = base.clone();
     for (field, value) in [("quality.seed", "9"), ("quality.wrap", "mirror"), ("effect.octaves", "6"), ("about", "me")]
     {
         several.set_field(field, value).unwrap();
     }
-    assert_eq!(ignored(&library, &subject, &base, &several), ["effect.octaves = 6", "quality.seed = 9"]);
+    assert_eq!(unused_overrides(&library, &subject, &base, &several), ["effect.octaves = 6", "quality.seed = 9"]);
 }
 
 #[test]
@@ -258,8 +258,8 @@ fn a_camera_of_matrices_reads_no_orbit() {
         set.set_field(field, value).unwrap();
     }
     set.set_field("camera.rotation", "[1, 0, 0, 0]").unwrap();
-    assert_eq!(ignored(&library, &subject, &base, &set).len(), orbit.len() + 1);
-    let idle = idle(&library, &subject, &base, &|| false);
+    assert_eq!(unused_overrides(&library, &subject, &base, &set).len(), orbit.len() + 1);
+    let idle = unused_settings(&library, &subject, &base, &|| false);
     assert!(orbit.iter().chain(&["camera.rotation"]).all(|field| idle.iter().any(|own| own == field)), "{idle:?}");
 }
 
@@ -296,7 +296,7 @@ fn settings_that_are_idle_change_no_bit_whatever_they_are() {
         ];
         for (name, base, idles, live) in scenes {
             let subject = subject(&base, &library);
-            let found = idle(&library, &subject, &base, &|| false);
+            let found = unused_settings(&library, &subject, &base, &|| false);
             println!("{name}: {}", found.join(", "));
             let is_idle = |field: &str| found.iter().any(|idle| idle == field);
             for field in idles.split(' ') {
@@ -314,7 +314,7 @@ fn settings_that_are_idle_change_no_bit_whatever_they_are() {
                     set.check(&library).is_err() || picture(gpu, &library, &set, &subject).pixels == plain.pixels;
                 assert!(same, "{name}: {field} = {value} changes the picture");
             }
-            assert!(idle(&library, &subject, &base, &|| true).is_empty(), "nobody waits for it");
+            assert!(unused_settings(&library, &subject, &base, &|| true).is_empty(), "nobody waits for it");
         }
     });
 }

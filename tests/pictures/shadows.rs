@@ -245,7 +245,7 @@ fn p54_a_shadow_volume_is_kept_as_long_as_what_it_is_cast_from() {
         assert!(!is_kept("another view", &|scene| scene.camera.azimuth += 10.0));
         assert!(!is_kept("thinner matter", &|scene| scene.effect.opacity_rate *= 0.9));
         assert!(is_kept("that again", &|_| ()));
-        renderer.forget_shadows();
+        renderer.invalidate_shadows();
         assert!(renderer.render(&scene).unwrap().measurements.shadow_before_ms == 0.0);
     });
 }

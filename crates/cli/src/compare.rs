@@ -6,7 +6,7 @@ use super::sequence::{Interrupted, stop_flag};
 use super::{absolute, announced, say, start, with_progress};
 use clap::Args;
 use hypertexture::gpu::{Gpu, Options};
-use hypertexture::render::{Subject, watch};
+use hypertexture::render::{Subject, try_custom_modules};
 use hypertexture::scene::{Scene, to_text};
 use measure::compare::candidates::{Sweep, candidates};
 use measure::compare::report::{self, Environment, Report};
@@ -102,7 +102,7 @@ pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<
     candidates(&scene, &library, &settings.sweep)?;
     super::try_modules(&scene, &library, Some(options))?;
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
-    let fault = watch(&library, &scene, &subject)?;
+    let fault = try_custom_modules(&library, &scene, &subject)?;
     let gpu = Gpu::new(options)?;
     settings.sweep.filters = gpu.info().filters_by_few_bits();
     let flag = stop_flag()?;

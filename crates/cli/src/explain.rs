@@ -8,7 +8,7 @@ use hypertexture::field::Progress;
 use hypertexture::gpu::{Gpu, Options};
 use hypertexture::output::PROGRAM;
 use hypertexture::render::variant::Variant;
-use hypertexture::render::{Frame, RenderError, Renderer, Subject, made_with, watch};
+use hypertexture::render::{Frame, RenderError, Renderer, Subject, describe_frame, try_custom_modules};
 use hypertexture::scene::{EmptySpace, Pass, Scene};
 use hypertexture::shader::Library;
 use hypertexture::shader::library::ZERO;
@@ -45,7 +45,7 @@ pub(super) fn run(command: &Explain, options: &Options, quiet: bool) -> Result<(
     let library = super::library(&scene)?;
     super::try_modules(&scene, &library, Some(options))?;
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
-    let fault = watch(&library, &scene, &subject)?;
+    let fault = try_custom_modules(&library, &scene, &subject)?;
     let gpu = Gpu::new(options)?;
     let explained = announced(quiet, "pictures", |progress| explain(&gpu, &library, &scene, &subject, progress))?;
     if command.json {
@@ -116,7 +116,7 @@ fn explain(
     };
     progress(0.0);
     let (mut renderer, frame) = warm(scene)?;
-    let made_with = made_with(&frame.measurements, scene, subject, library)?;
+    let made_with = describe_frame(&frame.measurements, scene, subject, library)?;
     let (mut times, mut others) = (Vec::new(), Vec::new());
     let has_zeros = Variant::of(scene, library)?.slots.contains_key(ZERO);
     let mores = without(scene);

@@ -6,7 +6,7 @@ use super::scene_arguments::{ObjectFlags, SceneArguments, files_read};
 use super::{absolute, say, with_progress};
 use clap::Args;
 use hypertexture::output;
-use hypertexture::render::{PolygonizeError, Polygons, Subject, polygonize, watch};
+use hypertexture::render::{PolygonizeError, Polygons, Subject, polygonize, try_custom_modules};
 use hypertexture::shape::MeshFormat;
 use std::error::Error;
 use std::path::PathBuf;
@@ -48,7 +48,7 @@ pub(super) fn run(command: &Mesh, quiet: bool) -> Result<(), Box<dyn Error>> {
     }
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
     output::check_all([("--output", path.clone())], subject.all_others().cloned())?;
-    let fault = watch(&library, &scene, &subject)?;
+    let fault = try_custom_modules(&library, &scene, &subject)?;
     let polygons = Polygons { grid: command.grid, density: command.density };
     let mesh = with_progress(quiet, "mesh", |progress| polygonize(&library, &scene, &subject, polygons, progress))
         .map_err(|error| match error {

@@ -6,7 +6,7 @@ use hypertexture::gpu::Gpu;
 use hypertexture::output::shard::{self, Shard};
 use hypertexture::output::{Depth, Provenance, encode_png, write};
 use hypertexture::render::variant::Variant;
-use hypertexture::render::{FINITE, Fault, Frame, Renderer, Subject, doubts, half_height, octaves_held};
+use hypertexture::render::{FINITE, Frame, ModuleFault, Renderer, Subject, warnings, half_height, octaves_held};
 use hypertexture::scene::schema::{Kind, setting};
 use hypertexture::scene::{Pass, Scene};
 use hypertexture::shader::Library;
@@ -59,12 +59,12 @@ impl Picture<'_> {
 }
 
 /// The line about values of a custom module that are NaN or infinite; empty without a fault.
-pub(super) fn fault_line(fault: Option<&Fault>) -> String {
+pub(super) fn fault_line(fault: Option<&ModuleFault>) -> String {
     fault.map_or(String::new(), |fault| format!("module     {fault}; {FINITE}\n"))
 }
 
 /// Reports NaN or infinite values of a custom module.
-pub(super) fn say_fault(fault: Option<Fault>) {
+pub(super) fn say_fault(fault: Option<ModuleFault>) {
     say(&fault_line(fault.as_ref()));
 }
 
@@ -176,7 +176,7 @@ fn notes(picture: &Picture<'_>, frame: &Frame) -> Result<Vec<(&'static str, Stri
     let m = &frame.measurements;
     let mut notes: Vec<_> = coarse(scene, subject, half_height).map(|text| ("voxels", text)).into_iter().collect();
     notes.extend(octaves_held(m, scene, library).map(|text| ("octaves", text)));
-    notes.extend(doubts(m, scene, subject, library)?.into_iter().map(|text| ("note", text)));
+    notes.extend(warnings(m, scene, subject, library)?.into_iter().map(|text| ("note", text)));
     Ok(notes)
 }
 

@@ -12,7 +12,7 @@ use hypertexture::gpu::{Gpu, Options};
 use hypertexture::output::sequence::{Sequence, manifest_path};
 use hypertexture::output::shard::Shard;
 use hypertexture::output::{self, PROGRAM};
-use hypertexture::render::{Renderer, Subject, check_depth, ignored, watch};
+use hypertexture::render::{Renderer, Subject, check_depth, try_custom_modules, unused_overrides};
 use hypertexture::scene::{self, Pass, Scene};
 use hypertexture::shader::Library;
 use measure::compare::{Failure, Session};
@@ -92,7 +92,7 @@ impl Render {
         let replaced = set.iter().filter(|field| !after.contains(field));
         let mut all: Vec<String> = replaced.map(|field| format!("{} (--max-error chooses)", said(field))).collect();
         let own: Vec<String> = set.iter().map(said).collect();
-        all.extend(ignored(library, subject, base, drawn).into_iter().filter(|field| own.contains(field)));
+        all.extend(unused_overrides(library, subject, base, drawn).into_iter().filter(|field| own.contains(field)));
         if self.depth != "8" && (ends(&self.output, "exr") || self.predict) {
             all.push(format!("--depth {}", self.depth));
         }
@@ -187,7 +187,7 @@ pub(super) fn run(command: &Render, options: &Options, quiet: bool) -> Result<()
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
     let loading_ms = began.elapsed().as_secs_f64() * 1e3;
     output::check_all(written, subject.all_others().cloned())?;
-    let fault = watch(&library, &scene, &subject)?;
+    let fault = try_custom_modules(&library, &scene, &subject)?;
     let asked = Asked { scene, base, library, subject, bound, shard, sequence, began, loading_ms };
     let tell = match command.is_piped() && !command.predict {
         _ if quiet || command.json => silent,

@@ -6,7 +6,7 @@ use clap::Args;
 use hypertexture::output::sequence::{Frames, Manifest, Sequence, frame_path, manifest_path};
 use hypertexture::output::shard::{self, Shard, ShardError};
 use hypertexture::output::{Provenance, write};
-use hypertexture::render::{Renderer, all_alike};
+use hypertexture::render::{Renderer, same_pictures};
 use serde_json::{Value, json};
 use std::error::Error;
 use std::fmt;
@@ -109,7 +109,7 @@ pub fn render_frames(
     let Frames { first, last } = sequence.frames;
     let some = (first..=last).step_by(((last - first) / MOST_TRIED + 1) as usize).chain([last]);
     let is_still =
-        !quiet && first < last && all_alike(library, subject, some.map(|frame| sequence.scene(scene, frame)));
+        !quiet && first < last && same_pictures(library, subject, some.map(|frame| sequence.scene(scene, frame)));
     if is_still {
         tell(
             "still      nothing in the scene moves with time: all frames are the same picture; --turntable turns it\n",

@@ -7,7 +7,7 @@
 
 use hypertexture::gpu::{Gpu, Options};
 use hypertexture::render::variant::{Variant, VariantError};
-use hypertexture::render::{RenderError, Renderer, Subject, link_cells, watch};
+use hypertexture::render::{RenderError, Renderer, Subject, link_cells, try_custom_modules};
 use hypertexture::scene::{self, Object, Scene};
 use hypertexture::shader::compile::{self, Answer, CompileError, Failure, Limits, Trial, read, reply, stage};
 use hypertexture::shader::{self, Library, Linker};
@@ -158,7 +158,7 @@ pub fn serve(input: impl Read, output: &mut impl Write, options: &Options) -> io
     let answer = match Subject::load(&small, &library, &|_| ()) {
         // A missing object is not a fault of the modules.
         Err(error) => Answer::Untried(error.to_string()),
-        Ok(subject) => match watch(&library, &small, &subject) {
+        Ok(subject) => match try_custom_modules(&library, &small, &subject) {
             Err(error) => refused(&error),
             Ok(_) if !job.draws => Answer::Good(None),
             Ok(_) => {

@@ -2,7 +2,7 @@
 
 use super::background::{Background, Notify};
 use hypertexture::render::variant::{Variant, VariantError};
-use hypertexture::render::{RenderError, Subject, Wanted};
+use hypertexture::render::{RenderError, Subject, SubjectRequest};
 use hypertexture::scene::{Object, ParameterValue, Parameters, Scene};
 use hypertexture::shader::Library;
 use std::collections::BTreeMap;
@@ -14,12 +14,12 @@ const KEPT: usize = 6;
 
 /// What decides the subject of a scene.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Key(Vec<Wanted>);
+pub(super) struct Key(Vec<SubjectRequest>);
 
 impl Key {
     /// The key of a scene.
     pub(super) fn of(scene: &Scene, library: &Library) -> Result<Key, VariantError> {
-        let mut wanted = Wanted::all(scene, &Variant::of(scene, library)?);
+        let mut wanted = SubjectRequest::all(scene, &Variant::of(scene, library)?);
         wanted.iter_mut().for_each(|wanted| wanted.object = wanted.object.without_look());
         Ok(Key(wanted))
     }
@@ -82,7 +82,7 @@ impl Loader {
     pub(super) fn stand_in(&self, scene: &Scene, library: &Library) -> Option<(Scene, Arc<Subject>)> {
         let variant = Variant::of(scene, library).ok()?;
         let wanted = Key::of(scene, library).ok()?.0;
-        let fits = |(own, wanted): (&Wanted, &Wanted)| {
+        let fits = |(own, wanted): (&SubjectRequest, &SubjectRequest)| {
             own.object.input == wanted.object.input && own.aligned == wanted.aligned && (own.closest || !wanted.closest)
         };
         let (key, subject) = self.kept.iter().rfind(|(key, subject)| {

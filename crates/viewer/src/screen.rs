@@ -3,7 +3,7 @@
 use super::compare::{CompareMode, Comparison};
 use egui::epaint::Vertex;
 use egui::{Color32, ColorImage, Mesh, Rect, Shape, TextureHandle, TextureId, TextureOptions, Ui, Vec2, pos2};
-use hypertexture::render::Sight;
+use hypertexture::render::ViewPose;
 use hypertexture::scene::{Color, linear_to_srgb};
 use rayon::prelude::*;
 use std::sync::{Arc, LazyLock};
@@ -113,7 +113,7 @@ pub(super) struct Screen {
     pub(super) frames: Vec<Frame>,
     pub(super) size: [u32; 2],
     /// Where they are looked at from, and where they would be now, where that is another place.
-    pub(super) moved: Option<(Sight, Sight)>,
+    pub(super) moved: Option<(ViewPose, ViewPose)>,
     /// The texture of their difference, and its gain.
     difference: Option<(TextureHandle, f32)>,
 }
@@ -159,7 +159,7 @@ impl Screen {
             match self.moved {
                 None => painter.image(texture.id(), rect, uv, Color32::WHITE),
                 Some((seen, now)) => {
-                    let mesh = mesh(texture.id(), place, |at| seen.moved(&now, at));
+                    let mesh = mesh(texture.id(), place, |at| seen.reproject(&now, at));
                     painter.with_clip_rect(rect).add(Shape::mesh(mesh))
                 }
             };

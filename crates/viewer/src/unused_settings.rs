@@ -2,7 +2,7 @@
 
 use super::background::{Background, Notify};
 use super::worker::{Job, Variant};
-use hypertexture::render::idle;
+use hypertexture::render::unused_settings;
 use hypertexture::scene::{Effect, Scene};
 use hypertexture::shader::shipped;
 use std::sync::Arc;
@@ -60,7 +60,7 @@ impl UnusedSettings {
                 }
                 task.is_cancelled()
             };
-            task.send(idle(&library, &subject, &scene, &is_over));
+            task.send(unused_settings(&library, &subject, &scene, &is_over));
         });
         self.running = Some((shape, effect, background));
     }

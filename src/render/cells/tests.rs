@@ -1,16 +1,17 @@
-//! Cells that are called empty are.
+//! Soundness of empty cells.
 
-use super::super::OCTAVES_ID;
-use super::super::cpu_inputs::CpuInputs;
-use super::super::inputs::Inputs;
-use super::decide::{Bounded, packed, unpacked};
-use super::*;
+use super::grid::distances;
+use super::prover::{BoundedProgram, CellGrid, CellProver, packed, unpacked};
+use super::{bounded_noise, slice_tiles};
 use crate::eval;
-use crate::render::Subject;
-use crate::render::sub_frame::SubFrame;
-use crate::render::variant::Variant;
+use crate::gpu::Area;
+use crate::render::camera::{FrameContext, SubFrame};
+use crate::render::error::RenderError;
+use crate::render::inputs::{CELLS, CpuInputs, ImageInfo, Inputs, TIME, Values};
+use crate::render::subject::Subject;
+use crate::render::variant::{OCTAVES_ID, Variant};
 use crate::scene::{Order, Pass, Projection, RayPath, Scene, names, preset};
-use crate::shader::{self, Linker, ParameterKind};
+use crate::shader::{self, Library, Linker, ParameterKind};
 use support::random::SplitMix;
 
 /// Samples of the cells of one scene.
@@ -30,41 +31,57 @@ fn a_cell_knows_how_far_it_is_to_the_next_that_may_hold_matter() {
     assert_eq!(distances(&[true; 8], 2), [u8::MAX; 8]);
 }
 
-/// Sets what is read at one time.
-fn fill(bounded: &mut Bounded, values: &Values) -> Vec<u64> {
-    bounded.fill(values, [values[TIME][0]; 2]).unwrap()
+/// Context of a scene with its loaded subject.
+fn context(scene: &Scene, library: &Library) -> FrameContext {
+    FrameContext::new(scene, &Subject::load(scene, library, &|_| ()).unwrap(), library).unwrap()
 }
 
-/// What decides, waited for.
-pub(super) fn decider(library: &Library, shot: &Shot<'_>, pays: impl Fn(u64) -> bool) -> Decider {
-    let program = shot.variant.program(library, Linker::new).unwrap();
-    let images = Inputs::new(library, shot, &program, &|_| ()).unwrap().images;
+/// The prover of a scene, and the values of its first picture, which are set.
+pub(super) struct Loaded {
+    pub(super) frame: FrameContext,
+    pub(super) bounded: Box<BoundedProgram>,
+    pub(super) values: Values,
+    read: Vec<u64>,
+}
+
+pub(super) fn loaded(scene: &Scene, library: &Library) -> Loaded {
+    let frame = context(scene, library);
+    let program = frame.variant.program(library, Linker::new).unwrap();
+    let inputs = Inputs::new(library, &frame, &program, &|_| ()).unwrap();
+    let CellProver::Ready(mut bounded) = prover(library, &frame, |_| true) else { panic!("{}", frame.variant.key()) };
+    let values = inputs.stored().values(&frame, &SubFrame::all(scene).next().unwrap());
+    let read = bounded.fill(&values, [values[TIME][0]; 2]).unwrap();
+    Loaded { frame, bounded, values, read }
+}
+
+/// A loaded prover.
+fn prover(library: &Library, frame: &FrameContext, pays: impl Fn(u64) -> bool) -> CellProver {
+    let program = frame.variant.program(library, Linker::new).unwrap();
+    let images = Inputs::new(library, frame, &program, &|_| ()).unwrap().images;
     let image_of = |name: &str| {
         let binding = program.resources.iter().find(|resource| resource.name == name)?.binding;
         let (_, image) = images.iter().find(|(own, _)| *own == binding)?;
         let bits = 8 * image.format.bytes() as u32 / image.format.channels();
-        let (name, channels, bytes) = (image.name.into(), image.format.channels(), image.bytes().len() as u64);
-        Some(Read { name, size: image.dimension.size(), channels, bits, bytes })
+        let (name, channels, bytes) = (image.name.into(), image.format.channels(), image.bytes.len() as u64);
+        Some(ImageInfo { name, size: image.dimension.size(), channels, bits, bytes })
     };
-    let mut decider = Decider::new(library, shot, &image_of, pays).unwrap();
-    decider.wait(&|| false).unwrap();
-    decider
+    let mut prover = CellProver::new(library, frame, &image_of, pays).unwrap();
+    prover.wait(&|| false).unwrap();
+    prover
 }
 
 #[test]
 fn what_decides_is_made_where_it_pays() {
     let (library, mut scene) = (shader::shipped(), preset("melting").unwrap());
     scene.object.resolution = 32;
-    let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
-    let variant = Variant::of(&scene, &library).unwrap();
-    let shot = Shot::of(&scene, &subject, &variant);
-    let voxels = subject.field.as_ref().unwrap().grid.size.iter().map(|side| u64::from(*side)).product();
+    let frame = context(&scene, &library);
+    let voxels = frame.subject.field.as_ref().unwrap().grid.size.iter().map(|side| u64::from(*side)).product();
     for pays in [false, true] {
-        match decider(&library, &shot, |texels| pays && texels >= voxels) {
-            Decider::Unmade(texels) => assert!(!pays && texels >= voxels, "{texels} of {voxels}"),
-            Decider::Made(made) => assert!(pays && made.texels >= voxels),
-            Decider::Coming(..) => panic!("it was waited for"),
-            Decider::Unbounded(why) => panic!("{why}"),
+        match prover(&library, &frame, |texels| pays && texels >= voxels) {
+            CellProver::Idle(texels) => assert!(!pays && texels >= voxels, "{texels} of {voxels}"),
+            CellProver::Ready(made) => assert!(pays && made.texels >= voxels),
+            CellProver::Loading(..) => panic!("it was waited for"),
+            CellProver::Unavailable(why) => panic!("{why}"),
         }
     }
 }
@@ -73,49 +90,33 @@ fn what_decides_is_made_where_it_pays() {
 fn cells_end_where_something_else_is_to_be_done() {
     let (library, mut scene) = (shader::shipped(), preset("melting").unwrap());
     scene.object.resolution = 32;
-    let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
-    let variant = Variant::of(&scene, &library).unwrap();
-    let shot = Shot::of(&scene, &subject, &variant);
-    let mut decider = Decider::new(&library, &shot, &|_| None, |_| true).unwrap();
-    // It may be sooner than that; it goes on in any case.
-    let stopped = matches!(decider.wait(&|| true), Err(RenderError::Stopped));
-    assert_eq!(matches!(decider, Decider::Coming(..)), stopped);
-    decider.wait(&|| false).unwrap();
-    let Decider::Made(mut bounded) = decider else { panic!("no bounds") };
-    let program = variant.program(&library, Linker::new).unwrap();
-    let inputs = Inputs::new(&library, &shot, &program, &|_| ()).unwrap();
-    fill(&mut bounded, &inputs.stored().values(&shot, &SubFrame::all(&scene).next().unwrap()));
-    let boxes = Boxes::of(&shot, 8);
+    let frame = context(&scene, &library);
+    let mut prover = CellProver::new(&library, &frame, &|_| None, |_| true).unwrap();
+    // Loading may finish before `stop` is asked.
+    let stopped = matches!(prover.wait(&|| true), Err(RenderError::Stopped));
+    assert_eq!(matches!(prover, CellProver::Loading(..)), stopped);
+    prover.wait(&|| false).unwrap();
+    let Loaded { bounded, .. } = loaded(&scene, &library);
+    let boxes = CellGrid::of(&frame, 8);
     assert!(bounded.empty(&boxes, &|| true).unwrap().is_none());
     assert!(bounded.empty(&boxes, &|| false).unwrap().is_some());
 }
 
-/// What says where matter is, as it is drawn: without what bounds replace in it.
-pub(super) fn drawn(
-    scene: &Scene,
-    library: &Library,
-    subject: &Subject,
-    variant: &Variant,
-) -> (eval::Program, eval::Inputs) {
-    let program = variant.cells(scene, library).unwrap().program(library, Linker::new).unwrap();
+/// The drawn program of matter, without replaced noise.
+pub(super) fn drawn(scene: &Scene, library: &Library, frame: &FrameContext) -> (eval::Program, eval::Inputs) {
+    let program = frame.variant.cells(scene, library).unwrap().program(library, Linker::new).unwrap();
     let code = eval::Program::read(&program.fragment, &[(OCTAVES_ID, scene.effect.octaves)]).unwrap();
-    let read = CpuInputs::new(library, scene, subject, variant, &program).unwrap();
+    let read = CpuInputs::new(library, scene, &frame.subject, &frame.variant, &program).unwrap();
     let blocks = read.moments(&program).unwrap().swap_remove(0);
     (code, eval::Inputs { blocks, ..read.exact() })
 }
 
-/// How many cells of a scene are empty, and how many samples in those hold matter.
+/// Number of empty cells of a scene, and number of samples with matter in them.
 fn judge(scene: &Scene, side: u32, random: &mut SplitMix, samples: usize) -> (usize, usize) {
     let library = shader::shipped();
-    let subject = Subject::load(scene, &library, &|_| ()).unwrap();
-    let variant = Variant::of(scene, &library).unwrap();
-    let program = variant.program(&library, Linker::new).unwrap();
-    assert!(program.reads(super::super::inputs::CELLS), "{}", variant.key());
-    let shot = Shot::of(scene, &subject, &variant);
-    let inputs = Inputs::new(&library, &shot, &program, &|_| ()).unwrap();
-    let Decider::Made(mut bounded) = decider(&library, &shot, |_| true) else { panic!("{}", variant.key()) };
-    fill(&mut bounded, &inputs.stored().values(&shot, &SubFrame::all(scene).next().unwrap()));
-    let boxes = Boxes::of(&shot, side);
+    let Loaded { frame, bounded, .. } = loaded(scene, &library);
+    assert!(frame.variant.program(&library, Linker::new).unwrap().reads(CELLS), "{}", frame.variant.key());
+    let boxes = CellGrid::of(&frame, side);
     let empty = bounded.empty(&boxes, &|| false).unwrap().unwrap();
     let which: Vec<u32> = (0..side.pow(3)).filter(|&index| empty[index as usize]).collect();
     if which.is_empty() {
@@ -124,11 +125,11 @@ fn judge(scene: &Scene, side: u32, random: &mut SplitMix, samples: usize) -> (us
     let places = (0..samples).map(|_| {
         let index = which[(random.bits() % which.len() as u64) as usize];
         let cell = boxes.cell([index % side, index / side % side, index / side / side], side);
-        // Ends of the box as often as what is within it.
+        // Clamping weights the faces of the box.
         cell.map(|range| range.lo + (range.hi - range.lo) * (1.5 * random.unit() - 0.25).clamp(0.0, 1.0))
     });
     let lanes = eval::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places.collect())].into() };
-    let (code, inputs) = drawn(scene, &library, &subject, &variant);
+    let (code, inputs) = drawn(scene, &library, &frame);
     let outputs = code.bind(&inputs).unwrap().run::<f64>(&lanes).unwrap();
     (which.len(), outputs[&0].iter().filter(|[.., alpha]| alpha.is_nan() || *alpha > 0.0).count())
 }
@@ -140,14 +141,8 @@ fn proofs_are_kept_under_all_that_they_depend_on() {
         let mut scene = preset("melting").unwrap();
         (scene.object.input, scene.object.resolution) = ("knot".into(), 32);
         change(&mut scene);
-        let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
-        let variant = Variant::of(&scene, &library).unwrap();
-        let program = variant.program(&library, Linker::new).unwrap();
-        let shot = Shot::of(&scene, &subject, &variant);
-        let inputs = Inputs::new(&library, &shot, &program, &|_| ()).unwrap();
-        let Decider::Made(mut bounded) = decider(&library, &shot, |_| true) else { panic!("no bounds") };
-        let read = fill(&mut bounded, &inputs.stored().values(&shot, &SubFrame::all(&scene).next().unwrap()));
-        (bounded, read, Boxes::of(&shot, 8))
+        let Loaded { frame, bounded, read, .. } = loaded(&scene, &library);
+        (bounded, read, CellGrid::of(&frame, 8))
     };
     let (bounded, read, boxes) = made(&|_| ());
     let key = bounded.key(&boxes, &read);
@@ -173,7 +168,7 @@ fn proofs_are_kept_under_all_that_they_depend_on() {
     assert_eq!(unpacked(&bytes, bytes.len() * 8 + 1), None);
 }
 
-/// Noise and turbulence that are computed in place.
+/// Computed noise and turbulence modules.
 const COMPUTED: [[&str; 2]; 6] = [
     ["procedural", "procedural"],
     ["tables", "octaves"],
@@ -183,8 +178,7 @@ const COMPUTED: [[&str; 2]; 6] = [
     ["wavelet", "arrays"],
 ];
 
-/// Sets the noise and the turbulence of all objects, and as many samples and octaves as wavelets may have; whether the scene
-/// takes that.
+/// Sets noise and turbulence of all objects, within the limits of wavelets; whether the scene is valid.
 fn compute_noise(scene: &mut Scene, library: &Library, [noise, turbulence]: [&str; 2]) -> bool {
     let mut other = scene.clone();
     if noise == "wavelet" {
@@ -210,19 +204,13 @@ fn m61_noise_that_bounds_look_up_is_the_noise_that_is_computed() {
         let mut scene = preset(name).unwrap();
         (scene.quality.pass, scene.effect.weights) = (Pass::March, weights.into());
         assert!(compute_noise(&mut scene, &library, of), "{name}, {of:?}");
-        let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
-        let variant = Variant::of(&scene, &library).unwrap();
-        let shot = Shot::of(&scene, &subject, &variant);
-        let program = variant.program(&library, Linker::new).unwrap();
-        let inputs = Inputs::new(&library, &shot, &program, &|_| ()).unwrap();
-        let Decider::Made(mut bounded) = decider(&library, &shot, |_| true) else { panic!("{name}") };
-        fill(&mut bounded, &inputs.stored().values(&shot, &SubFrame::all(&scene).next().unwrap()));
+        let Loaded { frame, bounded, .. } = loaded(&scene, &library);
         assert!(!bounded.inputs.noises.is_empty(), "{name}, {of:?}");
-        let whole = Boxes::of(&shot, 1).cell([0; 3], 1);
+        let whole = CellGrid::of(&frame, 1).cell([0; 3], 1);
         let places = (0..20_000).map(|_| whole.map(|range| range.lo + (range.hi - range.lo) * random.unit())).collect();
         let lanes = eval::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places)].into() };
         let looked_up = bounded.code.bind(&bounded.inputs).unwrap().run::<f64>(&lanes).unwrap();
-        let (code, inputs) = drawn(&scene, &library, &subject, &variant);
+        let (code, inputs) = drawn(&scene, &library, &frame);
         let computed = code.bind(&inputs).unwrap().run::<f64>(&lanes).unwrap();
         let (mut seen, mut most) = (0, 0f64);
         for (a, b) in looked_up[&0].iter().zip(&computed[&0]) {
@@ -244,7 +232,7 @@ fn noise_is_not_looked_up_in_place_of_cells_that_a_module_reads() {
         let library = shader::shipped().with_module("dmf", "own", &text);
         assert!(compute_noise(&mut scene, &library, COMPUTED[0]));
         let cells = Variant::of(&scene, &library).unwrap().cells(&scene, &library).unwrap();
-        assert_eq!(ranged::ranged(&cells, &library).is_some(), known, "{look_up}");
+        assert_eq!(bounded_noise::ranged(&cells, &library).is_some(), known, "{look_up}");
     }
 }
 
@@ -269,7 +257,7 @@ fn m61_nearly_as_many_cells_of_computed_noise_are_empty_as_of_a_block() {
 
 #[test]
 fn m61_cells_that_are_called_empty_hold_no_matter() {
-    // HYPERTEXTURE_SCENES=200 asks for as many scenes with other parameters, and for 500 000 samples of each.
+    // HYPERTEXTURE_SCENES=200 asks for 200 scenes with other parameters, and for 500 000 samples of each.
     let asked: Option<usize> = std::env::var("HYPERTEXTURE_SCENES").ok().and_then(|count| count.parse().ok());
     let (count, samples) = asked.map_or((12, SAMPLES_OF_A_SCENE), |count| (count, 25 * SAMPLES_OF_A_SCENE));
     let library = shader::shipped();
@@ -289,7 +277,7 @@ fn m61_cells_that_are_called_empty_hold_no_matter() {
     assert!(presets.len() > 15, "{}", presets.len());
     for index in 0..presets.len() + count {
         let (name, mut scene) = presets[index % presets.len()].clone();
-        // Of all but the presets every other one computes its noise.
+        // Every other scene after the presets computes its noise.
         if index >= presets.len() && index % 2 == 0 {
             let of = index / 2 % COMPUTED.len();
             computed[of] += usize::from(compute_noise(&mut scene, &library, COMPUTED[of]));
@@ -344,17 +332,15 @@ fn m61_slices_have_tiles_where_cells_may_hold_matter_and_few_elsewhere() {
         (scene.quality.pass, scene.quality.samples, scene.image.size) = (Pass::Slices, 200, [300, 200]);
         (scene.camera.azimuth, scene.camera.elevation) = (130.0, 40.0);
         change(&mut scene);
-        let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
-        let variant = Variant::of(&scene, &library).unwrap();
-        let shot = Shot::of(&scene, &subject, &variant);
-        let (side, view, planes) = (16, &shot.view, shot.planes);
-        let boxes = Boxes::of(&shot, side);
+        let frame = context(&scene, &library);
+        let (side, view, planes) = (16, &frame.view, frame.planes);
+        let boxes = CellGrid::of(&frame, side);
         // A ball of cells in a corner.
         let away =
             |index: u32| [index % side, index / side % side, index / side / side].map(|at| (at as f32 - 4.0).powi(2));
         let empty: Vec<bool> = (0..side.pow(3)).map(|index| away(index).iter().sum::<f32>() > 9.0).collect();
         let whole = [Area::whole(scene.image.size)];
-        let tiles = cover::tiles(&shot, &boxes, &empty, &whole);
+        let tiles = slice_tiles::tiles(&frame, &boxes, &empty, &whole);
         let part = tiles.pixels(0..planes.count) as f64 / (whole[0].pixels() * u64::from(planes.count)) as f64;
         assert!(part > 0.0 && part < 0.3, "{part}");
         let full: Vec<u32> = (0..side.pow(3)).filter(|&index| !empty[index as usize]).collect();
@@ -363,7 +349,7 @@ fn m61_slices_have_tiles_where_cells_may_hold_matter_and_few_elsewhere() {
             let cell = boxes.cell([index % side, index / side % side, index / side / side], side);
             let [x, y, z, _] = cell.map(|range| (range.lo + (range.hi - range.lo) * random.unit()) as f32);
             let eye = view.object_matrix.transform_point3(glam::Vec3::new(x, y, z));
-            // Where a ray through a pixel of `march.frag` meets it.
+            // The pixel whose ray in `march.frag` meets the place.
             let depth = if scene.camera.projection == Projection::Perspective { -eye.z } else { 1.0 };
             let place = [0, 1].map(|axis| {
                 let sign = if axis == 0 { 1.0 } else { -1.0 };

@@ -1,4 +1,4 @@
-//! Texels of blocks of noise, and of the tables that noise is computed from.
+//! Texels of noise blocks and noise tables.
 
 use crate::noise::{Block, NOISE_GRADIENT_BOUND, Noise, TURBULENCE_BOUND, TURBULENCE_GRADIENT_BOUND};
 use rayon::prelude::*;
@@ -23,7 +23,7 @@ struct Channel<'a> {
 }
 
 impl<'a> Channel<'a> {
-    /// Values in [-bound, bound].
+    /// Channel of values in [-bound, bound].
     fn signed(values: &'a [f32], bound: f64) -> Channel<'a> {
         Channel { values, scale: (0.5 / bound) as f32, offset: 0.5 }
     }
@@ -36,8 +36,7 @@ impl<'a> Channel<'a> {
     }
 }
 
-/// The values of a block in one channel: noise as `0.5 + 0.5 value`, a sum of absolute values over
-/// [`TURBULENCE_BOUND`].
+/// Single-channel values of a block: noise as `0.5 + 0.5 value`, a sum of absolute values over [`TURBULENCE_BOUND`].
 pub fn block_values(block: &Block, absolute: bool, depth: Depth) -> Vec<u8> {
     interleave([Channel::value(block, absolute)], depth)
 }
@@ -50,7 +49,7 @@ pub fn block_gradients(block: &Block, absolute: bool, depth: Depth) -> Vec<u8> {
     interleave([slope(x), slope(y), slope(z), Channel::value(block, absolute)], depth)
 }
 
-/// Four blocks of noise in the channels of one.
+/// Four noise blocks in the channels of one.
 pub fn block_channels(blocks: &[Block; 4], depth: Depth) -> Vec<u8> {
     interleave([0, 1, 2, 3].map(|c| Channel::value(&blocks[c], false)), depth)
 }
@@ -61,8 +60,8 @@ pub fn texels_of(numbers: &[[f32; 4]], depth: Depth) -> Vec<u8> {
     interleave([0, 1, 2, 3].map(|c| Channel { values: &channels[c], scale: 1.0, offset: 0.0 }), depth)
 }
 
-/// The tables of Perlin's noise as rows of 256 RGBA floats: an entry of the permutation with the next one in R and G; and
-/// the gradients in the order in which the permutation points to them.
+/// Tables of Perlin's noise as rows of 256 RGBA floats: an entry of the permutation with the next one in R and G; and
+/// the gradients in the order of the permutation.
 pub fn table_rows(noise: &Noise) -> [Vec<f32>; 2] {
     let (permutation, gradients) = noise.tables();
     let entry = |index: usize| f32::from(permutation[index % 256]);

@@ -1,41 +1,41 @@
-//! A volume in bricks: only those that a scene can reach are stored.
+//! Volumes in bricks, of which only the reachable ones are stored.
 //!
-//! Role: which bricks of a field hold a distance between two others, where they lie in one image, and the index that leads
-//! there; `storage/sparse.glsl` reads it. Invariant: within a brick that is stored every sample is that of the whole
-//! volume; of any other brick the index has one texel, whose distance is that of the brick's texel nearest to the band:
-//! outside a lower bound, inside an upper one. Source: GG 39.6.
+//! Role: finds the bricks that hold a distance in a band, their places in an atlas, and the index to them;
+//! `storage/sparse.glsl` reads it. Invariant: within a stored brick every sample equals the volume's. The index entry
+//! of any other brick is a texel, whose distance is the nearest to the band: a lower bound outside, an upper bound
+//! inside. Source: GG 39.6.
 
 use crate::field::DistanceField;
 use rayon::prelude::*;
 
-/// Cells along a side of a brick. Smaller: the texels that two bricks share, and the index, outweigh what is saved. Larger:
-/// more of a brick is out of reach. `storage/sparse.glsl` has it too.
+/// Cells along a side of a brick. Lower: shared texels and the index outweigh the savings. Higher: more of a brick is
+/// out of reach. Must equal the constant in `storage/sparse.glsl`.
 pub const BRICK: u32 = 8;
-/// Texels along a side: those at the far ends are the first of the next bricks.
+/// Texels along a side; the last ones repeat the first of the next brick.
 const SIDE: u32 = BRICK + 1;
-/// Alpha of an entry that leads to a brick; that of a texel is at most 1.
+/// Alpha of an index entry that refers to a brick; texels have at most 1.
 const STORED: f32 = 2.0;
 
-/// Where the bricks of a volume are.
+/// Places of the bricks of a volume.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bricks {
     /// Bricks along each axis.
     pub size: [u32; 3],
-    /// An entry for each brick, x fastest: its first texel in the atlas and 2, or the texel that stands for all of it.
+    /// Entry of each brick, x fastest: its first texel in the atlas and 2, or the constant texel.
     pub index: Vec<[f32; 4]>,
-    /// Texels of the image that holds the bricks, along each axis.
+    /// Size of the atlas in texels.
     pub atlas: [u32; 3],
-    /// Places of bricks in the atlas along each axis.
+    /// Size of the atlas in bricks.
     places: [u32; 3],
-    /// The bricks that are stored, in the order of their places.
+    /// Stored bricks, in the order of their places.
     stored: Vec<[u32; 3]>,
-    /// Texels of the whole volume along each axis.
+    /// Size of the whole volume in texels.
     whole: [u32; 3],
 }
 
 impl Bricks {
-    /// The bricks of a field that hold a distance from the lowest to the highest of `band`, in the units of the field.
-    /// `texel` gives the texel of the whole volume with a number, by its channels.
+    /// Finds the bricks of a field with a distance in `band` (lowest, highest; units of the field). `texel` returns the
+    /// channels of a texel of the whole volume by its index.
     pub fn of(field: &DistanceField, band: [f32; 2], texel: impl Fn(usize) -> [f32; 4] + Sync) -> Bricks {
         let whole = field.grid.size;
         let size = whole.map(|texels| (texels - 1).div_ceil(BRICK).max(1));
@@ -66,12 +66,12 @@ impl Bricks {
         Bricks { size, index, atlas: places.map(|count| count * SIDE), places, stored, whole }
     }
 
-    /// How many bricks are stored.
+    /// Number of stored bricks.
     pub fn stored(&self) -> usize {
         self.stored.len()
     }
 
-    /// The texels of the bricks that are stored, out of those of the whole volume with so many bytes each, x fastest.
+    /// Copies the stored bricks from a volume with `bytes` for each texel, x fastest.
     pub fn gather(&self, volume: &[u8], bytes: usize) -> Vec<u8> {
         let [width, height, depth] = self.atlas.map(|side| side as usize);
         let mut atlas = vec![0; width * height * depth * bytes];
@@ -88,7 +88,7 @@ impl Bricks {
     }
 }
 
-/// Numbers of the texels of a brick in the whole volume, x fastest; beyond its border, that of the border.
+/// Indices of a brick's texels in the whole volume, x fastest; clamped at its border.
 fn texels_of(whole: [u32; 3], brick: [u32; 3]) -> impl Iterator<Item = usize> {
     let along = move |axis: usize, texel: u32| (brick[axis] * BRICK + texel).min(whole[axis] - 1) as usize;
     let [width, height, _] = whole.map(|side| side as usize);
@@ -96,7 +96,7 @@ fn texels_of(whole: [u32; 3], brick: [u32; 3]) -> impl Iterator<Item = usize> {
     (0..SIDE).flat_map(move |k| (0..SIDE).flat_map(move |j| (0..SIDE).map(move |i| number(i, j, k))))
 }
 
-/// A box of places for so many bricks, about as long as wide: a device limits the longest side.
+/// Size of a nearly cubic atlas for `count` bricks: devices limit the longest side.
 fn places(count: u32) -> [u32; 3] {
     let x = f64::from(count).cbrt().ceil() as u32;
     let y = f64::from(count.div_ceil(x)).sqrt().ceil() as u32;
@@ -113,7 +113,7 @@ mod tests {
     use crate::field::Grid;
     use glam::Vec3;
 
-    /// A ball of radius 9 in a grid whose sides are no multiples of a brick's, distances in voxels.
+    /// A ball of radius 9 in a grid with incomplete bricks, distances in voxels.
     fn ball() -> DistanceField {
         let grid = Grid { size: [37, 30, 41], origin: Vec3::new(-18.0, -14.5, -20.0), spacing: Vec3::ONE };
         let places = (0..41).flat_map(|k| (0..30).flat_map(move |j| (0..37).map(move |i| (i, j, k))));

@@ -1,6 +1,7 @@
-//! Tables of what the transfer map makes of densities.
+//! Tables of transfer maps applied to densities.
 
-use super::{code16, evaluate};
+use super::codes::code16;
+use super::transfer::evaluate;
 use crate::field::DistanceField;
 use crate::scene::Transfer;
 use glam::Vec4;
@@ -10,14 +11,15 @@ use std::cmp::Ordering;
 /// Entries along each side of the segment table.
 pub const SEGMENT_SIZE: usize = 256;
 
-/// The transfer map integrated over one segment, for every pair of densities at its front (x) and back (y): premultiplied
-/// linear RGBA floats, x fastest. `opacities` gives those of paths: a density, and the part of the segment that a path is.
+/// Transfer map integrated over one segment, for every pair of densities at its front (x) and back (y): premultiplied
+/// linear RGBA floats, x fastest. `opacities` maps pairs of a density and a path, as a share of the segment, to
+/// opacities.
 ///
-/// The density is taken as linear along the segment, and cut into four parts for each entry that it crosses.
-/// Source: Engel, Kraus and Ertl 2001.
+/// The density is linear along the segment, which is cut into four parts for each entry that it crosses. Source: Engel,
+/// Kraus and Ertl 2001.
 ///
 /// # Errors
-/// What `opacities` says.
+/// Those of `opacities`.
 pub fn segment_table<E: Send>(
     transfer: &Transfer,
     opacities: impl Fn(&[[f32; 2]]) -> Result<Vec<f32>, E> + Sync,
@@ -27,7 +29,7 @@ pub fn segment_table<E: Send>(
     let matter = |entry: f32| evaluate(transfer, entry / last as f32);
     let entries: Vec<Vec4> = (0..=last).map(|entry| matter(entry as f32)).collect();
     let middles: Vec<Vec4> = (0..PARTS * last).map(|part| matter((part as f32 + 0.5) / PARTS as f32)).collect();
-    // By the number of entries that a segment crosses: where it crosses none, all of its parts are one entry.
+    // Indexed by the number of crossed entries; without a crossing all parts share one entry.
     let alphas = (0..=last).into_par_iter().map(|crossed| {
         let (matter, part) = (if crossed == 0 { &entries } else { &middles }, 1.0 / (PARTS * crossed.max(1)) as f32);
         opacities(&matter.iter().map(|matter| [matter.w, part]).collect::<Vec<_>>())
@@ -54,11 +56,11 @@ pub fn segment_table<E: Send>(
     Ok(table)
 }
 
-/// The transfer map applied to the voxels: RGBA, 16 bits each, color weighted by density, for pre-classification.
-/// `densities` gives those of signed distances in the units of the field.
+/// Transfer map applied to voxels, for pre-classification: RGBA, 16 bits each, color weighted by density. `densities`
+/// maps signed distances in units of the field to densities.
 ///
 /// # Errors
-/// What `densities` says.
+/// Those of `densities`.
 pub fn classify<E: Send>(
     field: &DistanceField,
     transfer: &Transfer,
@@ -79,8 +81,8 @@ pub fn classify<E: Send>(
 
 #[cfg(test)]
 mod tests {
+    use super::super::transfer::tests::ramp;
     use super::*;
-    use crate::render::texture::tests::ramp;
     use crate::scene::Curve;
 
     #[test]

@@ -1,10 +1,11 @@
-//! Linked programs kept on disk: glslang takes up to a second for one, and the same one is asked for again and again.
+//! Disk cache of linked programs, which glslang takes up to a second to link.
 
-use super::{Program, SHIPPED_PROGRAMS, Variant, VariantError};
-use crate::shader;
+use super::error::VariantError;
+use super::program::{Program, shipped_programs};
+use super::scene_variant::Variant;
 use crate::shader::compile::{CompileError, Job, Limits, Wanted, compile, link_allowed, names};
 use crate::shader::library::Compiler;
-use crate::shader::{Library, LinkError, Linker, Slots, Stage};
+use crate::shader::{self, Library, LinkError, Linker, Slots, Stage};
 use support::disk_cache::{self, Kind};
 
 /// SPIR-V of the vertex stage and the fragment stage.
@@ -14,7 +15,7 @@ type Stages = [Vec<u32>; 2];
 const KIND: Kind = Kind { ends: &["program"], limit: 256 << 20 };
 
 impl Variant {
-    /// Both stages, from the disk or linked here.
+    /// Links both stages, or loads them from the disk cache.
     pub(super) fn linked(
         &self,
         library: &Library,
@@ -39,12 +40,12 @@ impl Variant {
         Ok(stages)
     }
 
-    /// A hash of all that decides the words of its program, which is not linked for it.
+    /// Hash of all that determines the linked program, without linking it.
     pub(crate) fn text_hash(&self, library: &Library) -> blake3::Hash {
         key(library, self.entries, &self.slots, (true, false))
     }
 
-    /// The program of the same modules and of `own` texts, see [`Variant::with_own`].
+    /// Links the modules with a library of generated texts, see [`Variant::with_own`].
     ///
     /// # Errors
     /// As [`Variant::program`].
@@ -52,13 +53,13 @@ impl Variant {
         self.program(&self.with_own(library, own), Linker::new)
     }
 
-    /// The library of `own` texts, which the program itself puts in place of some of `library`: it is compiled in a process
-    /// of its own only where that is asked for of `library`.
+    /// A library with generated texts in place of some of `library`. It is compiled in a separate process only if
+    /// `library` asks for that.
     pub fn with_own(&self, library: &Library, own: Library) -> Library {
         if self.apart(library, true).is_some() { own } else { own.compiled_here() }
     }
 
-    /// What links both stages under limits, where the library asks for that and some text of the program is not as shipped.
+    /// Links both stages in a limited process, if the library asks for that and a reached text is not as shipped.
     fn apart(&self, library: &Library, is_optimized: bool) -> Option<impl FnOnce() -> Result<Stages, LinkError>> {
         if matches!(library.compiler(), Compiler::Here) {
             return None;
@@ -78,7 +79,7 @@ impl Variant {
             match stages {
                 Ok(Some(stages)) => Ok(stages),
                 Ok(None) => Err(LinkError::Compile(format!("{names}: the GLSL compiler gave no program"))),
-                // These say which text they are about.
+                // These messages name the text.
                 Err(error @ (CompileError::Refused(_) | CompileError::Long { .. })) => {
                     Err(LinkError::Compile(error.to_string()))
                 }
@@ -87,17 +88,17 @@ impl Variant {
         })
     }
 
-    /// What [`compile`] links of it.
+    /// Request for [`compile`].
     pub fn wanted(&self, is_optimized: bool) -> Wanted {
         Wanted { entries: self.entries.map(String::from), slots: self.slots.clone(), is_optimized }
     }
 }
 
-/// The key of a program: the hash of all that decides its words. The largest program that this build's compiler made stands
-/// for the compiler. `how`: whether it is optimized, and whether it was linked under limits.
+/// Hash of all that determines the words of a program. The largest shipped program identifies the compiler version.
+/// `how`: whether the program is optimized, and whether it was linked under limits.
 fn key(library: &Library, entries: [&str; 2], slots: &Slots, how: (bool, bool)) -> blake3::Hash {
     let mut hash = blake3::Hasher::new();
-    let compiler = SHIPPED_PROGRAMS.iter().max_by_key(|program| program.2.len());
+    let compiler = shipped_programs().iter().max_by_key(|program| program.2.len());
     for part in compiler.into_iter().flat_map(|(_, vertex, fragment)| [vertex, fragment]) {
         hash.update(part);
     }
@@ -108,7 +109,6 @@ fn key(library: &Library, entries: [&str; 2], slots: &Slots, how: (bool, bool)) 
     hash.finalize()
 }
 
-/// The words of both stages that were saved under a key.
 fn load(key: blake3::Hash) -> Option<Stages> {
     let bytes = disk_cache::load(KIND, key)?;
     let (words, rest) = bytes.as_chunks::<4>();
@@ -118,7 +118,6 @@ fn load(key: blake3::Hash) -> Option<Stages> {
     rest.is_empty().then(|| [vertex.to_vec(), fragment.to_vec()])
 }
 
-/// Saves the words of both stages.
 fn save(key: blake3::Hash, [vertex, fragment]: &Stages) {
     let words = [vertex.len() as u32].into_iter().chain(vertex.iter().chain(fragment).copied());
     disk_cache::save(KIND, key, &words.flat_map(u32::to_le_bytes).collect::<Vec<u8>>());
@@ -126,8 +125,8 @@ fn save(key: blake3::Hash, [vertex, fragment]: &Stages) {
 
 #[cfg(all(test, feature = "glsl"))]
 mod tests {
+    use super::super::program::words;
     use super::*;
-    use crate::render::variant::program::words;
     use crate::shader::compile::refusal;
 
     #[test]
@@ -152,7 +151,7 @@ mod tests {
 
     #[test]
     fn every_program_that_ships_asks_for_no_more_than_a_person_may() {
-        for (key, vertex, fragment) in SHIPPED_PROGRAMS {
+        for (key, vertex, fragment) in shipped_programs() {
             for stage in [vertex, fragment] {
                 assert_eq!(refusal(&words(stage).unwrap()), None, "{key}");
             }

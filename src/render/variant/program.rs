@@ -1,21 +1,31 @@
-//! A linked program, and what a scene has none of.
+//! A linked program, and the parts that it leaves out.
 
-use super::VariantError;
+use super::error::VariantError;
 use super::reflect::{self, Resource, Use};
 use flate2::read::DeflateDecoder;
 use std::collections::BTreeSet;
 use std::io::{self, Read};
 
-/// A linked program and what it reads.
+include!(concat!(env!("OUT_DIR"), "/programs.rs"));
+
+/// The shipped programs in the order of their keys: key, compressed vertex stage and fragment stage.
+pub(super) fn shipped_programs() -> &'static [(&'static str, &'static [u8], &'static [u8])] {
+    SHIPPED_PROGRAMS
+}
+
+/// `constant_id` of the octaves in `glsl/octave_constants.glsl`.
+pub const OCTAVES_ID: u32 = 0;
+
+/// A linked program with its bindings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Program {
     /// SPIR-V of the vertex stage.
     pub vertex: Vec<u32>,
     /// SPIR-V of the fragment stage.
     pub fragment: Vec<u32>,
-    /// Every binding that either stage reads.
+    /// Bindings that either stage reads.
     pub resources: Vec<Resource>,
-    /// Whether it was linked when the crate was built.
+    /// Whether it was linked at build time.
     pub shipped: bool,
 }
 
@@ -25,18 +35,17 @@ impl Program {
         Ok(Program { vertex, fragment, resources, shipped })
     }
 
-    /// Whether the program reads this binding.
+    /// Whether the program reads a binding.
     pub fn reads(&self, name: &str) -> bool {
         self.resources.iter().any(|resource| resource.name == name)
     }
 
-    /// The members of blocks that the fragment stage reads: numbers of bindings, and those of members in them. It looks
-    /// through all of the stage.
+    /// Block members that the fragment stage reads in any function: pairs of a binding and a member index.
     pub fn members_read(&self) -> BTreeSet<(u32, u32)> {
         reflect::members_read(&self.fragment)
     }
 
-    /// Those parts of filled blocks, by binding.
+    /// Bytes of those members in filled blocks.
     pub fn parts_read<'a>(
         &self,
         read: &BTreeSet<(u32, u32)>,
@@ -55,14 +64,14 @@ impl Program {
         found
     }
 
-    /// What the scene did not need: not in the program, not allocated, not uploaded, not bound.
+    /// Parts that the scene did not need: not in the program, not allocated, not uploaded, not bound.
     pub fn left_out(&self) -> Vec<&'static str> {
-        let read = |binding: &str| self.resources.iter().any(|resource| resource.name.starts_with(binding)); // by any object
+        let read = |binding: &str| self.resources.iter().any(|resource| resource.name.starts_with(binding)); // of any object
         PARTS.iter().filter(|(binding, ..)| !read(binding)).map(|(_, part, _)| *part).collect()
     }
 }
 
-/// What a program may read: how its bindings begin, its name, and why a scene has none.
+/// Optional parts of a program: prefix of the bindings, name, and reason for the absence.
 const PARTS: [(&str, &str, &str); 9] = [
     ("volume_image", "volume", "the object is a formula"),
     ("noise_", "noise block", "no module looks noise up in a block"), // with or without its gradient
@@ -75,18 +84,18 @@ const PARTS: [(&str, &str, &str); 9] = [
     ("shadow_image", "shadow volume", "light.shadows is off, or the light goes from slice to slice"),
 ];
 
-/// Why a scene has none of a part that [`Program::left_out`] names; empty for other names.
+/// Reason for the absence of a part of [`Program::left_out`]; empty for other names.
 pub fn why_left_out(name: &str) -> &'static str {
     PARTS.iter().find(|(_, part, _)| *part == name).map_or("", |(_, _, why)| why)
 }
 
-/// Names of [`Program::left_out`], read back.
+/// Deserializes names of [`Program::left_out`].
 pub(crate) fn parts<'de, D: serde::Deserializer<'de>>(from: D) -> Result<Vec<&'static str>, D::Error> {
     let names: Vec<String> = serde::Deserialize::deserialize(from)?;
     Ok(PARTS.iter().map(|(_, part, _)| *part).filter(|part| names.iter().any(|name| name == part)).collect())
 }
 
-/// SPIR-V that `build.rs` compressed.
+/// Decompresses SPIR-V from `build.rs`.
 pub(super) fn words(compressed: &[u8]) -> io::Result<Vec<u32>> {
     let mut bytes = Vec::new();
     DeflateDecoder::new(compressed).read_to_end(&mut bytes)?;

@@ -1,4 +1,4 @@
-//! What a linked program reads: found in its SPIR-V, after the optimizer has dropped what is dead.
+//! Reflection of optimized SPIR-V: the live bindings of a program.
 
 use crate::shader::instructions;
 use spirq::ReflectConfig;
@@ -13,7 +13,7 @@ pub struct Resource {
     pub name: String,
     /// Number of the binding.
     pub binding: u32,
-    /// What it holds.
+    /// Kind of the resource.
     pub holds: Use,
     /// Whether the vertex stage reads it.
     pub vertex: bool,
@@ -21,7 +21,7 @@ pub struct Resource {
     pub fragment: bool,
 }
 
-/// What a binding holds.
+/// Kind of a resource.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Use {
     /// A uniform block.
@@ -35,13 +35,13 @@ pub enum Use {
 /// A uniform block in std140 layout.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Block {
-    /// Size.
+    /// Size in bytes.
     pub bytes: usize,
     /// Members by offset.
     pub members: Vec<Member>,
 }
 
-/// A member of a block: floats, one after another from its offset.
+/// A member of a block: consecutive floats from its offset.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Member {
     /// Name in GLSL.
@@ -52,22 +52,24 @@ pub struct Member {
     pub floats: usize,
 }
 
-/// Why a program cannot be read back.
+/// Error of reflection.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ReflectError {
-    /// The SPIR-V is not understood.
+    /// The SPIR-V is malformed.
     #[error("the linked program cannot be reflected: {0}")]
     Spirv(String),
-    /// A resource of a kind that the renderer does not provide.
-    #[error("`{0}` is no uniform block of floats, image or sampler of set 0; declare resources in interface.glsl only")]
+    /// The renderer does not provide resources of this kind.
+    #[error(
+        "`{0}` is not a uniform block of floats, an image or a sampler of set 0; declare resources in interface.glsl only"
+    )]
     Foreign(String),
 }
 
 impl Block {
-    /// The bytes of the block, each member filled from `value`.
+    /// Fills the block, each member from `value`.
     ///
     /// # Errors
-    /// The name of a member for which `value` has nothing, or not as many floats as the member.
+    /// The name of a member for which `value` has nothing, or another number of floats.
     pub fn fill<'a>(&self, value: impl Fn(&str) -> Option<&'a [f32]>) -> Result<Vec<u8>, String> {
         let mut bytes = vec![0; self.bytes];
         for member in &self.members {
@@ -79,7 +81,7 @@ impl Block {
     }
 }
 
-/// The bindings of both stages, by number.
+/// Bindings of both stages, by number.
 pub(super) fn resources(vertex: &[u32], fragment: &[u32]) -> Result<Vec<Resource>, ReflectError> {
     let mut all: Vec<Resource> = Vec::new();
     for (code, is_vertex) in [(vertex, true), (fragment, false)] {
@@ -107,7 +109,7 @@ const CONSTANT: u32 = 43;
 /// `OpAccessChain` and `OpInBoundsAccessChain`.
 const ACCESS: [u32; 2] = [65, 66];
 
-/// The members of blocks that a stage reads: numbers of bindings, and those of members in them.
+/// Block members that a stage reads: pairs of a binding and a member index.
 pub(super) fn members_read(code: &[u32]) -> BTreeSet<(u32, u32)> {
     let (mut bindings, mut constants, mut read) = (HashMap::new(), HashMap::new(), BTreeSet::new());
     for instruction in instructions(code) {

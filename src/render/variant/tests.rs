@@ -1,19 +1,19 @@
-//! Which program a scene needs, and what it is linked from.
+//! Programs of scenes and their inputs.
 
-use super::*;
-use crate::scene::{EFFECTS, preset};
-use crate::shader;
+use super::{Program, Use, Variant};
+use crate::scene::{EFFECTS, Scene, preset};
+use crate::shader::{self, Linker};
 
 #[test]
 fn soft_matter_is_found_and_shaded_at_once_on_a_gpu() {
-    let suited = |name: &str, on_processor| {
-        let variant = Variant::of(&preset(name).unwrap(), &shader::shipped()).unwrap().suited(on_processor);
+    let for_device = |name: &str, on_processor| {
+        let variant = Variant::of(&preset(name).unwrap(), &shader::shipped()).unwrap().for_device(on_processor);
         variant.module("empty_space").unwrap().to_string()
     };
     for name in ["fire", "tank", "fur"] {
-        assert_eq!([true, false].map(|on_processor| suited(name, on_processor)), ["skip", "leap"], "{name}");
+        assert_eq!([true, false].map(|on_processor| for_device(name, on_processor)), ["skip", "leap"], "{name}");
     }
-    assert_eq!([true, false].map(|on_processor| suited("lit", on_processor)), ["skip"; 2]);
+    assert_eq!([true, false].map(|on_processor| for_device("lit", on_processor)), ["skip"; 2]);
 }
 
 fn program(scene: &Scene) -> Program {

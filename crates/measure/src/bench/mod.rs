@@ -107,7 +107,7 @@ impl Ready<'_> {
         let (start, before) = (Instant::now(), own_processor_time());
         let (device, compile_ms) = match self {
             Ready::Picture(scene, renderer) => {
-                renderer.forget_shadows();
+                renderer.invalidate_shadows();
                 let m = renderer.render(scene)?.measurements;
                 (Some(m.device_ms()), m.compile_ms)
             }

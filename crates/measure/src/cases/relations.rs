@@ -3,7 +3,7 @@
 use super::report::number;
 use super::run::{CaseError, Lab, Rows, same};
 use crate::statistics::{largest, rms_difference};
-use hypertexture::render::{RenderError, doubts};
+use hypertexture::render::{RenderError, warnings};
 use hypertexture::scene::{Effect, EmptySpace, ParameterValue, Scene, preset};
 use hypertexture::shader::ParameterKind;
 
@@ -156,7 +156,7 @@ pub(super) fn warned(lab: &Lab<'_>, rows: &mut Rows) -> Result<(), CaseError> {
         }
         let subject = lab.subject(&scene)?;
         let frame = lab.render(&scene, &subject)?;
-        let lines = doubts(&frame.measurements, &scene, &subject, &lab.library).map_err(RenderError::from)?;
+        let lines = warnings(&frame.measurements, &scene, &subject, &lab.library).map_err(RenderError::from)?;
         let ok = if line.is_empty() { lines.is_empty() } else { lines.iter().any(|found| found.contains(line)) };
         let setting = changes.iter().map(|(field, value)| format!("{field} = {value}")).collect::<Vec<_>>().join(", ");
         let what = if case == 0 { "no warning".into() } else { format!("{input}: warning (case {case})") };

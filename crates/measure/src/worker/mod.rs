@@ -304,7 +304,7 @@ impl<'a> Painter<'a> {
     pub fn render_anew(&mut self, scene: &Scene) -> Result<Frame, RenderError> {
         match self {
             Painter::Here(renderer) => {
-                renderer.forget_shadows();
+                renderer.invalidate_shadows();
                 renderer.render(scene)
             }
             Painter::There(remote) => remote.worker.draw(remote.number, &mut remote.before, scene, true),

@@ -34,7 +34,7 @@ pub fn serve(input: impl BufRead, output: &mut impl Write, options: &Options) ->
                 let scene = parse(&text)?;
                 let renderer = renderers.entry(number).or_insert_with(|| Renderer::new(&gpu, &library, &subject));
                 if anew {
-                    renderer.forget_shadows();
+                    renderer.invalidate_shadows();
                 }
                 let drawn = renderer.render(&scene);
                 let said = messages.take(); // of the validation layer

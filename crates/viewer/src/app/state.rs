@@ -20,7 +20,7 @@ use crate::worker::{Job, Worker};
 use egui::{Pos2, Rect};
 use glam::DVec3;
 use hypertexture::gpu::{Gpu, Options};
-use hypertexture::render::Sight;
+use hypertexture::render::ViewPose;
 use hypertexture::scene::{self, Camera, Scene};
 use hypertexture::shader::Library;
 use std::path::{Path, PathBuf};
@@ -165,9 +165,9 @@ pub(crate) struct Jobs {
     /// Whether an object of the current scene is not loaded.
     pub(crate) lacks_object: bool,
     /// View of the picture on the screen.
-    pub(super) shown_view: Option<Sight>,
+    pub(super) shown_view: Option<ViewPose>,
     /// View of the current scene.
-    pub(super) current_view: Option<Sight>,
+    pub(super) current_view: Option<ViewPose>,
 }
 
 impl Jobs {

@@ -2,7 +2,7 @@
 
 use crate::status::Stage;
 use egui::ColorImage;
-use hypertexture::render::{Sight, Subject};
+use hypertexture::render::{Subject, ViewPose};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
 use measure::pick::{ErrorBound, Pick};
@@ -63,7 +63,7 @@ pub(crate) struct Picture {
     pub(crate) size: [u32; 2],
     pub(crate) samples: u32,
     /// Where it is looked at from.
-    pub(crate) sight: Option<Sight>,
+    pub(crate) sight: Option<ViewPose>,
     pub(crate) stage: Stage,
     /// Milliseconds on the device, of all variants.
     pub(crate) gpu_ms: f64,

@@ -8,7 +8,7 @@ use crate::background::{cancel_if, catch_cancellation};
 use crate::progressive::{FEWEST, MOST, Mean, number, reference, resampled, tiles};
 use crate::status::Stage;
 use hypertexture::gpu::Area;
-use hypertexture::render::{Measurements, RenderError, Renderer, ignored, made_with, put};
+use hypertexture::render::{Measurements, RenderError, Renderer, describe_frame, paste_areas, unused_overrides};
 use hypertexture::scene::{Scene, nearest_preset};
 use hypertexture::shader::shipped;
 use measure::statistics::rms_difference;
@@ -135,7 +135,7 @@ impl RenderThread {
         let Variant { scene, library, subject } = &job.variants[0];
         // A custom module is compiled in a process of its own, and never for this.
         if scene.modules.is_empty() && **library == shipped() && !self.shared.is_stale(job.number) {
-            (self.tell)(Event::Ignored(ignored(library, subject, &nearest_preset(scene), scene)));
+            (self.tell)(Event::Ignored(unused_overrides(library, subject, &nearest_preset(scene), scene)));
         }
     }
 
@@ -173,7 +173,12 @@ impl RenderThread {
             };
             gpu_ms += drawn.ms;
             if let (0, Some(measurements)) = (index, &drawn.measurements) {
-                (self.tell)(Event::Made(made_with(measurements, &variant.scene, &variant.subject, &variant.library)?));
+                (self.tell)(Event::Made(describe_frame(
+                    measurements,
+                    &variant.scene,
+                    &variant.subject,
+                    &variant.library,
+                )?));
             }
         }
         still.gpu_ms = gpu_ms;
@@ -219,7 +224,7 @@ impl RenderThread {
                 Err(RenderError::Stopped) => return Ok(None),
                 other => other?,
             };
-            put(&frame.pixels, areas, width, pixels);
+            paste_areas(&frame.pixels, areas, width, pixels);
             let ms = start.elapsed().as_secs_f64() * 1e3 - frame.measurements.compile_ms;
             count = (areas.len() as f64 * (TILES_MS / ms.max(1e-3)).min(MORE_TILES)).max(1.0) as usize;
             left = rest;

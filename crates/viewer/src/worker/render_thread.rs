@@ -8,7 +8,7 @@ use crate::progressive::{Budget, FEWEST, Level, Mean, resampled};
 use crate::screen::encode_srgb;
 use crate::status::Stage;
 use hypertexture::gpu::Gpu;
-use hypertexture::render::{RenderError, Sight};
+use hypertexture::render::{RenderError, ViewPose};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
 use hypertexture::shader::compile::CompileError;
@@ -36,7 +36,7 @@ pub(super) struct RenderThread {
 /// What is kept of a scene that stands still.
 pub(super) struct Accumulation {
     pub(super) scenes: Vec<Scene>,
-    pub(super) sights: Vec<Sight>,
+    pub(super) sights: Vec<ViewPose>,
     /// What was shown first, and the level of a preview; what was there before the window had another size has none.
     pub(super) coarse: Vec<Vec<[f32; 4]>>,
     pub(super) size: [u32; 2],
@@ -54,7 +54,7 @@ pub(super) struct Accumulation {
 }
 
 impl Accumulation {
-    fn of(job: &Job, sights: Vec<Sight>, coarse: Vec<Vec<[f32; 4]>>, size: [u32; 2]) -> Accumulation {
+    fn of(job: &Job, sights: Vec<ViewPose>, coarse: Vec<Vec<[f32; 4]>>, size: [u32; 2]) -> Accumulation {
         let means = vec![Mean::default(); coarse.len()];
         Accumulation {
             scenes: scenes(job),
@@ -197,7 +197,7 @@ impl RenderThread {
 
     /// A picture in time for the next one, as far as the thread does not end.
     fn preview(&mut self, job: &Job, renderers: &mut [VariantRenderers]) -> Result<Option<Accumulation>, RenderError> {
-        let sights: Result<Vec<Sight>, _> = job.variants.iter().map(sight).collect();
+        let sights: Result<Vec<ViewPose>, _> = job.variants.iter().map(sight).collect();
         let sights = sights?;
         let first = &job.variants[0].scene;
         self.shared.wait_until_shown();
@@ -244,11 +244,12 @@ impl RenderThread {
 
     /// What was there in another size of the window, in its new size: it is gone on from.
     fn resized(&mut self, job: &Job, before: &Accumulation) -> Result<Accumulation, RenderError> {
-        let sights: Result<Vec<Sight>, _> = job.variants.iter().map(sight).collect();
+        let sights: Result<Vec<ViewPose>, _> = job.variants.iter().map(sight).collect();
         let (sights, size) = (sights?, job.variants[0].scene.image.size);
         let (pictures, from) = before.best();
         let all = pictures.iter().zip(before.sights.iter().zip(&sights)).map(|(pixels, (old, new))| {
-            let place = |at: [f32; 2]| new.moved(old, at.map(|part| 2.0 * part - 1.0)).map(|place| 0.5 + 0.5 * place);
+            let place =
+                |at: [f32; 2]| new.reproject(old, at.map(|part| 2.0 * part - 1.0)).map(|place| 0.5 + 0.5 * place);
             resampled(pixels, from, size, place, [0.0; 4])
         });
         let still = Accumulation::of(job, sights.clone(), all.collect(), size);

@@ -5,7 +5,7 @@ use super::job::Variant;
 use crate::progressive::{Level, PREVIEW_BLOCK};
 use hypertexture::gpu::Gpu;
 use hypertexture::render::variant::{Variant as Program, VariantError};
-use hypertexture::render::{Renderer, Sight};
+use hypertexture::render::{Renderer, ViewPose};
 use hypertexture::scene::{Pass, Scene};
 use hypertexture::shader::Library;
 
@@ -29,7 +29,7 @@ impl VariantRenderers {
     pub(super) fn new(gpu: &Gpu, variant: &Variant) -> VariantRenderers {
         let renderer = || Renderer::new(gpu, &variant.library, &variant.subject);
         let mut own = renderer();
-        own.keep(KEPT);
+        own.set_cache_size(KEPT);
         VariantRenderers { own, mean: BackgroundRenderer::new(renderer()), trial: None, faster: None }
     }
 
@@ -47,8 +47,8 @@ impl VariantRenderers {
 }
 
 /// Where a variant is looked at from.
-pub(crate) fn sight(variant: &Variant) -> Result<Sight, VariantError> {
-    Ok(Sight::of(&variant.scene, &variant.subject, &Program::of(&variant.scene, &variant.library)?))
+pub(crate) fn sight(variant: &Variant) -> Result<ViewPose, VariantError> {
+    Ok(ViewPose::of(&variant.scene, &variant.subject, &Program::of(&variant.scene, &variant.library)?))
 }
 
 /// A scene drawn by the other pass, where that can be.

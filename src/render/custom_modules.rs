@@ -1,0 +1,292 @@
+//! Trial of custom modules before a picture: NaN, infinities, overflows of f32, and loops that devices cut.
+//!
+//! Role: the scene's program is evaluated in f64 and with the range of f32 at sampled places of the picture;
+//! instrumented modules record their faults (`watch.glsl`). Invariant: a scene of shipped modules costs nothing.
+
+use crate::eval::{ExactError, Inputs, Lanes, Overflow, Program, Texture};
+use crate::render::error::RenderError;
+use crate::render::inputs::{CELLS, CpuInputs};
+use crate::render::subject::Subject;
+use crate::render::variant::{self, OCTAVES_ID, Use, Variant};
+use crate::scene::{ParameterValue, Pass, Scene};
+use crate::shader::{FAULT, Library, changed};
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// Loop iterations of a fragment after which lavapipe silently ends it.
+const MOST_TURNS: u64 = 65_535;
+/// Sampled quads, if cheap. Lower: a fault in a small part of the picture is missed.
+const QUADS: u32 = 1024;
+/// Budget of scalar operations in f64, checked between batches: a sixth of a second.
+const OPERATIONS: u64 = 1 << 25;
+/// Budget of scalar operations with the range of f32, which are several times slower.
+const SINGLE_OPERATIONS: u64 = OPERATIONS / 8;
+/// Visible difference between f32 and f64, linear light.
+const SHOWS: f64 = 0.01;
+/// Quads in a batch: few at first, in case a loop is endless, then the lanes of a block.
+const TOGETHER: [u32; 2] = [2, 16];
+/// Largest number of parameters in a message.
+const NAMED: usize = 8;
+
+/// Advice for a [`ModuleFault`].
+pub const FINITE: &str = "keep what it computes finite, such as log(max(x, 1e-6))";
+
+/// A non-finite result of a custom module, or an overflow of f32 on the way to it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModuleFault {
+    /// Module, such as `dmf/ripples.glsl`; for an overflow, with its line.
+    pub module: String,
+    /// `NaN`, `an infinity`, or the overflowing operation.
+    pub what: String,
+    /// Values of its parameters, such as ` with rings = 6`; may be empty.
+    pub with: String,
+    /// Number of faulty rays or places.
+    pub count: usize,
+    /// Number of tested rays or places.
+    pub tried: usize,
+    /// `rays` or `places`.
+    pub of: &'static str,
+    /// Pixel of the first fault.
+    pub pixel: [u32; 2],
+}
+
+impl fmt::Display for ModuleFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ModuleFault { module, what, with, count, tried, of, pixel: [x, y] } = self;
+        write!(f, "{module} gives {what}{with}, for {count} of {tried} {of}, the first in pixel {x}, {y}")
+    }
+}
+
+/// Tests the custom modules of a scene. A scene that cannot be evaluated passes.
+///
+/// # Errors
+/// The scene has no program, or a device would cut one of its loops.
+pub fn try_custom_modules(
+    library: &Library,
+    scene: &Scene,
+    subject: &Subject,
+) -> Result<Option<ModuleFault>, RenderError> {
+    let variant = Variant::of(scene, library)?;
+    let own = own_modules(library, &variant);
+    if own.is_empty() {
+        return Ok(None);
+    }
+    let trial = Trial { library: library.watched(own.iter().map(String::as_str)), scene, subject, variant, own };
+    match trial.run() {
+        Ok(fault) => Ok(fault),
+        Err(error @ RenderError::Loop { .. }) => Err(error),
+        Err(error) => {
+            log::debug!("custom modules are not tried: {error}");
+            Ok(None)
+        }
+    }
+}
+
+/// Adds the responsible custom module to an error of non-finite pixels.
+pub(crate) fn with_module_cause(
+    error: RenderError,
+    library: &Library,
+    scene: &Scene,
+    subject: &Subject,
+) -> RenderError {
+    let (RenderError::NotFinite { count, x, y, .. }, Ok(variant)) = (&error, Variant::of(scene, library)) else {
+        return error;
+    };
+    let own = own_modules(library, &variant);
+    let cause = match try_custom_modules(library, scene, subject) {
+        Err(error) => return error,
+        _ if own.is_empty() => return error,
+        Ok(Some(fault)) => format!("{fault}; {FINITE}"),
+        Ok(None) => {
+            let all: Vec<String> = own.iter().map(|path| path.clone() + &with(library, &variant, path)).collect();
+            format!("no module that ships gives them; look for what is too large for f32 in {}", all.join(" and in "))
+        }
+    };
+    RenderError::NotFinite { count: *count, x: *x, y: *y, cause }
+}
+
+/// Custom files that the program reaches.
+fn own_modules(library: &Library, variant: &Variant) -> Vec<String> {
+    changed(library).into_keys().filter(|path| variant.reaches(library, path)).collect()
+}
+
+/// Values of a module's parameters, in words.
+fn with(library: &Library, variant: &Variant, path: &str) -> String {
+    let (slot, name) = path.trim_end_matches(".glsl").split_once('/').unwrap_or_default();
+    let declared = library.header(slot, name).unwrap_or_default().parameters;
+    let is_own = |name: &str| {
+        let copy = |rest: &str| rest.chars().all(|c| c == '_' || c.is_ascii_digit());
+        declared.iter().any(|parameter| name.strip_prefix(&parameter.name).is_some_and(copy))
+    };
+    let values: Vec<String> = variant
+        .all_parameters()
+        .filter(|(_, parameter, _)| is_own(&parameter.name))
+        .map(|(name, _, value)| match value {
+            ParameterValue::Number(number) => format!("{name} = {number}"),
+            ParameterValue::Color(color) => format!("{name} = {}", String::from(*color)),
+        })
+        .collect();
+    match values.len() {
+        0 => String::new(),
+        count => format!(" with {}{}", values[..count.min(NAMED)].join(", "), if count > NAMED { ", ..." } else { "" }),
+    }
+}
+
+/// Test of a scene with custom modules.
+struct Trial<'a> {
+    /// Library with instrumented modules.
+    library: Library,
+    scene: &'a Scene,
+    subject: &'a Subject,
+    variant: Variant,
+    /// Custom modules, in the order of their numbers.
+    own: Vec<String>,
+}
+
+/// Faults of the tested lanes.
+#[derive(Default)]
+struct Found {
+    /// Number of lanes tested in f64, and with the range of f32.
+    tried: [usize; 2],
+    /// Number of non-finite lanes; of the first, module number, whether NaN, and pixel.
+    wrong: (usize, Option<(usize, bool, [u32; 2])>),
+    /// Number of overflowing lanes; the first overflow and its pixel.
+    beyond: (usize, Option<(Overflow, [u32; 2])>),
+}
+
+impl Trial<'_> {
+    fn run(&self) -> Result<Option<ModuleFault>, RenderError> {
+        let Trial { library, scene, subject, variant, .. } = self;
+        // A fragment of rays takes all samples of a ray; one of slices takes a single sample.
+        let rays = scene.quality.pass == Pass::March;
+        let tried = if rays { variant.clone() } else { variant.probe(scene, library)? };
+        let program = tried.unoptimized(library)?;
+        let cpu_inputs = CpuInputs::new(library, scene, subject, &tried, &program)?;
+        let whose = if rays { "ray" } else { "sample" };
+        let Found { tried, wrong, beyond } = self.found(&cpu_inputs, &program, scene.image.size, whose)?;
+        if scene.light.shadows {
+            let caster = variant.shadow(scene, library)?.unoptimized(library)?;
+            self.found(&cpu_inputs, &caster, cpu_inputs.shadow_target(), "ray of the light")?;
+        }
+        let of = if rays { "rays" } else { "places" };
+        Ok(match (wrong, beyond) {
+            ((count, Some((module, is_nan, pixel))), _) => {
+                let module = self.own[module - 1].clone();
+                let what = if is_nan { "NaN" } else { "an infinity" }.into();
+                let with = with(library, variant, &module);
+                Some(ModuleFault { module, what, with, count, tried: tried[0], of, pixel })
+            }
+            (_, (count, Some((Overflow { place, operation, .. }, pixel)))) => {
+                let path = self.own.iter().find(|path| is_in(path, &place));
+                let with = path.map(|path| with(library, variant, path)).unwrap_or_default();
+                let what = format!("{operation}, which is beyond f32 (3.4e38)");
+                Some(ModuleFault { module: place, what, with, count, tried: tried[1], of, pixel })
+            }
+            _ => None,
+        })
+    }
+
+    /// Tests a program at places of a target.
+    fn found(
+        &self,
+        cpu_inputs: &CpuInputs,
+        program: &variant::Program,
+        size: [u32; 2],
+        whose: &'static str,
+    ) -> Result<Found, RenderError> {
+        let mut inputs = cpu_inputs.exact();
+        inputs.blocks = cpu_inputs.moments(program)?.into_iter().next().unwrap_or_default();
+        for image in program.resources.iter().filter(|resource| matches!(resource.holds, Use::Image)) {
+            // Images that are rendered with the picture: full light, and no empty cells.
+            let value = if image.name == CELLS { 0.0 } else { 1.0 };
+            let plain = || Texture { size: [1; 3], texels: vec![[value; 4]] };
+            inputs.images.entry(image.binding).or_insert_with(plain);
+        }
+        let exact = Program::read(&program.fragment, &[(OCTAVES_ID, self.scene.effect.octaves)])?;
+        let [near, far] = cpu_inputs.depths;
+        let place =
+            |depth| [near + (far - near) * depth, (far - near) / f64::from(self.scene.quality.samples), 0.0, 0.0];
+        let is_own = |place: &str| self.own.iter().any(|path| is_in(path, place));
+        evaluate(&exact, &inputs, size, place, is_own).map_err(|error| match error {
+            ExactError::Endless { turns, place } => {
+                let own = |path: &&String| is_in(path, &place);
+                let with = |path: &String| with(&self.library, &self.variant, path);
+                let with = self.own.iter().find(own).or(self.own.first()).map(with).unwrap_or_default();
+                RenderError::Loop { place, whose, turns, with }
+            }
+            error => error.into(),
+        })
+    }
+}
+
+/// Whether a source location is in a file; `place` may belong to an additional object or to a second copy.
+fn is_in(path: &str, place: &str) -> bool {
+    place
+        .rsplit_once(':')
+        .is_some_and(|(file, _)| file.split('#').next().unwrap_or_default().rsplit(':').next() == Some(path))
+}
+
+/// Evaluates a program in quads across a target; `place` maps a depth in [0, 1] to the program's input, and `is_own`
+/// tells custom source locations.
+fn evaluate(
+    program: &Program,
+    inputs: &Inputs,
+    size: [u32; 2],
+    place: impl Fn(f64) -> [f64; 4],
+    is_own: impl Fn(&str) -> bool,
+) -> Result<Found, ExactError> {
+    let bound = program.bind(inputs)?;
+    let mut found = Found::default();
+    let ([mut operations, mut singles], mut done, mut together) = ([0; 2], 0, TOGETHER[0]);
+    while done < QUADS && operations < OPERATIONS {
+        let mut lanes = Lanes { fragment_coordinates: Vec::new(), varyings: BTreeMap::from([(0, Vec::new())]) };
+        for quad in done..QUADS.min(done + together) {
+            let [x, y, depth] = scattered(quad);
+            let corner =
+                [(x, size[0]), (y, size[1])].map(|(at, side)| 2.0 * (at * f64::from(side.div_ceil(2))).floor());
+            let pixels = [[0.5, 0.5], [1.5, 0.5], [0.5, 1.5], [1.5, 1.5]];
+            lanes.fragment_coordinates.extend(pixels.map(|[x, y]| [corner[0] + x, corner[1] + y, 0.5, 1.0]));
+            lanes.varyings.entry(0).or_default().extend([place(depth); 4]);
+        }
+        let (outputs, spent) = bound.measure_within(&lanes, MOST_TURNS)?;
+        let pixel = |lane: usize| [0, 1].map(|axis| lanes.fragment_coordinates[lane][axis] as u32);
+        for (lane, [module, kind, ..]) in outputs.get(&FAULT).into_iter().flatten().enumerate() {
+            if *module > 0.0 {
+                found.wrong.0 += 1;
+                found.wrong.1.get_or_insert((*module as usize, *kind == 1.0, pixel(lane)));
+            }
+        }
+        found.tried[0] += lanes.fragment_coordinates.len();
+        if singles < SINGLE_OPERATIONS {
+            let ((of_singles, spent), beyond) = bound.measure_single(&lanes, MOST_TURNS, &is_own)?;
+            for (lane, overflow) in beyond.into_iter().enumerate() {
+                let Some(overflow) = overflow.filter(|own| own.is_lost || shows(&outputs, &of_singles, lane)) else {
+                    continue;
+                };
+                found.beyond.0 += 1;
+                found.beyond.1.get_or_insert((overflow, pixel(lane)));
+            }
+            found.tried[1] += lanes.fragment_coordinates.len();
+            singles += spent;
+        }
+        (operations, done, together) = (operations + spent, done + together, TOGETHER[1]);
+    }
+    Ok(found)
+}
+
+/// Outputs of lanes, by location.
+type Outputs = BTreeMap<u32, Vec<[f64; 4]>>;
+
+/// Whether the results of a lane with the range of f32 differ visibly from those in f64.
+fn shows(outputs: &Outputs, singles: &Outputs, lane: usize) -> bool {
+    outputs.iter().filter(|(location, _)| **location != FAULT).any(|(location, all)| {
+        let pairs = all[lane].iter().zip(&singles[location][lane]);
+        pairs.map(|(known, found)| (known - found).abs()).any(|off| off.is_nan() || off > SHOWS)
+    }) || singles.get(&FAULT).is_some_and(|faults| faults[lane][0] > 0.0)
+}
+
+/// Low-discrepancy sequence in the unit cube (Roberts 2018).
+fn scattered(index: u32) -> [f64; 3] {
+    const ROOT: f64 = 1.220_744_084_605_759_5; // of x^4 = x + 1
+    [1, 2, 3].map(|axis| (0.5 + f64::from(index) * ROOT.powi(-axis)).fract())
+}

@@ -1,0 +1,249 @@
+//! Density of a scene anywhere in object space.
+//!
+//! Invariant: the density is that of the scene's program, evaluated by [`eval`](crate::eval) in f64 and in bounds.
+
+use super::error::PolygonizeError;
+use crate::eval::{self, Device, ExactError, Interval, Sloped};
+use crate::render::camera::View;
+use crate::render::cells::{LOOKED_UP, bounded};
+use crate::render::error::RenderError;
+use crate::render::inputs::CpuInputs;
+use crate::render::subject::Subject;
+use crate::render::variant::{OCTAVES_ID, Variant};
+use crate::scene::{Projection, Scene};
+use crate::shader::{Library, Linker};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Opacity module that returns the density, whatever the path.
+const DENSITY: &str = "// The density in place of the opacity of a path.
+float opacity(float density, float amount) { return density; }
+float segment_opacity(float d0, float d1, float amount) { return 0.5 * (d0 + d1); }
+";
+/// Points in a batch.
+const TOGETHER: usize = 1024;
+
+/// Density of a scene at its first moment.
+pub(crate) struct DensityProgram {
+    code: eval::Program,
+    inputs: eval::Inputs,
+    /// Bounds of the soft region.
+    pub view: View,
+    library: Library,
+    variant: Variant,
+    octaves: [(u32, u32); 1],
+    cpu_inputs: CpuInputs,
+}
+
+impl DensityProgram {
+    /// Links and loads the density of a scene.
+    pub fn of(library: &Library, scene: &Scene, subject: &Subject) -> Result<DensityProgram, PolygonizeError> {
+        let library = library.clone().with_module("opacity", "density", DENSITY);
+        let drawn = Variant::of(scene, &library)?;
+        let variant = drawn.cells_by("density", scene, &library)?;
+        let program = variant.program(&library, Linker::new).map_err(RenderError::from)?;
+        let cpu_inputs = CpuInputs::new(&library, scene, subject, &drawn, &program)?;
+        let mut inputs = cpu_inputs.exact();
+        inputs.blocks = cpu_inputs.moments(&program)?.into_iter().next().unwrap_or_default();
+        let octaves = [(OCTAVES_ID, scene.effect.octaves)];
+        let code = eval::Program::read_channel(&program.fragment, &octaves, (0, 3))?;
+        let view = View::of(scene, subject, &drawn);
+        Ok(DensityProgram { code, inputs, view, library, variant, octaves, cpu_inputs })
+    }
+
+    /// Bounds of the density, and of its difference quotient, along the segments between consecutive `places`, each of
+    /// this `length`; object space.
+    fn between(&self, places: &[DVec3], length: f64) -> Result<Vec<Sloped>, PolygonizeError> {
+        let (own, inputs) = match bounded(&self.variant, &self.library) {
+            None => (None, self.inputs.clone()),
+            Some((program, noise)) => {
+                let code = eval::Program::read_channel(&program.fragment, &self.octaves, (0, 3))?;
+                let lookup = program.resources.iter().find(|resource| resource.name == LOOKED_UP);
+                let noises = lookup.map(|lookup| (lookup.binding, noise)).into_iter().collect();
+                let blocks = self.cpu_inputs.moments(&program)?.into_iter().next().unwrap_or_default();
+                (Some(code), eval::Inputs { blocks, noises, ..self.inputs.clone() })
+            }
+        };
+        let bound = own.as_ref().unwrap_or(&self.code).bind(&inputs)?;
+        let places = places.windows(2).map(|ends| {
+            let [from, to] = [ends[0], ends[1]].map(|end| end.to_array());
+            let [x, y, z] = [0, 1, 2].map(|axis| Sloped::between(from[axis], to[axis], length));
+            [x, y, z, eval::Number::new(0.0)]
+        });
+        let lanes = eval::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places.collect())].into() };
+        let outputs = bound.run::<Sloped>(&lanes)?;
+        Ok(outputs[&0].iter().map(|[density, ..]| *density).collect())
+    }
+
+    /// Binds the inputs of the program.
+    pub fn bound(&self, level: f64) -> Result<Density<'_>, ExactError> {
+        Ok(Density { bound: self.code.bind(&self.inputs)?, level })
+    }
+}
+
+/// A density program with its inputs.
+pub(crate) struct Density<'a> {
+    bound: eval::BoundProgram<'a>,
+    /// Lowest density inside.
+    pub level: f64,
+}
+
+impl Density<'_> {
+    /// Evaluates the density at points in object space.
+    pub fn at(&self, places: &[DVec3]) -> Result<Vec<f64>, ExactError> {
+        let places = places.iter().map(|place| [place.x, place.y, place.z, 0.0]).collect();
+        let lanes = eval::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places)].into() };
+        let outputs = self.bound.run::<f64>(&lanes)?;
+        Ok(outputs[&0].iter().map(|[density, ..]| *density).collect())
+    }
+
+    /// Classifies boxes: true if completely inside, false if completely outside, `None` if undecided.
+    pub fn sides(&self, boxes: &[[DVec3; 2]]) -> Result<Vec<Option<bool>>, ExactError> {
+        let interval = |lo, hi| Device(Interval { lo, hi });
+        let places = boxes.iter().map(|[low, high]| {
+            let [x, y, z] = [0, 1, 2].map(|axis| interval(low[axis], high[axis]));
+            [x, y, z, interval(0.0, 0.0)]
+        });
+        let lanes = eval::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places.collect())].into() };
+        let outputs = self.bound.run::<Device>(&lanes)?;
+        let side = |density: Interval| match density {
+            Interval { lo, .. } if lo >= self.level => Some(true),
+            Interval { hi, .. } if hi < self.level => Some(false),
+            _ => None,
+        };
+        Ok(outputs[&0].iter().map(|[density, ..]| side(density.0)).collect())
+    }
+}
+
+/// Histogram of the density over the soft region, at the first moment of a scene: `places` points of the plastic number
+/// sequence (M. Roberts 2018), counted in `bins` equal bins of the densities above 0, up to 1.
+///
+/// The error of a count is about its square root; points without matter are not counted.
+///
+/// # Errors
+/// As [`polygonize`](crate::render::polygonize), except for its settings.
+pub fn densities(
+    library: &Library,
+    scene: &Scene,
+    subject: &Subject,
+    places: u32,
+    bins: usize,
+) -> Result<Vec<u32>, PolygonizeError> {
+    let program = DensityProgram::of(library, scene, subject)?;
+    let density = program.bound(0.0)?;
+    let (low, high) = (program.view.box_min.as_dvec3(), program.view.box_max.as_dvec3());
+    const PLASTIC: f64 = 1.220_744_084_605_759_5; // root of x^4 = x + 1
+    let steps = DVec3::from([1, 2, 3].map(|power| PLASTIC.powi(-power)));
+    let all: Vec<DVec3> =
+        (0..places).map(|index| low + (high - low) * (0.5 + steps * f64::from(index)).fract()).collect();
+    let found: Vec<Vec<f64>> = all.par_chunks(TOGETHER).map(|places| density.at(places)).collect::<Result<_, _>>()?;
+    let mut counts = vec![0; bins];
+    for density in found.into_iter().flatten().filter(|density| *density > 0.0) {
+        counts[((density * bins as f64) as usize).min(bins - 1)] += 1;
+    }
+    Ok(counts)
+}
+
+/// Density at a point of a ray, with bounds up to the next point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Along {
+    /// Distance from the origin of the ray, object units.
+    pub depth: f64,
+    /// Density at the point.
+    pub density: f64,
+    /// Bounds of the density up to the next point; at the last point, its density.
+    pub range: [f64; 2],
+    /// Bounds of the density's difference quotient up to the next point, per object unit; infinite where the density
+    /// may jump.
+    pub slope: [f64; 2],
+}
+
+/// Tolerance for constants of noise in f32, which bounds and f64 round differently.
+const ROUNDED: f64 = 1e-6;
+
+impl Along {
+    /// Narrows the range by the slope.
+    fn narrowed(self, next: &Along) -> Along {
+        let (length, [fall, rise]) = (next.depth - self.depth, self.slope);
+        let [from, to] = [self.density, next.density];
+        let least = |from: f64, to: f64, fall: f64, rise: f64| {
+            if fall >= 0.0 {
+                from
+            } else if rise <= 0.0 {
+                to
+            } else {
+                // Steepest fall, then steepest rise.
+                from + fall * ((from - to + length * rise) / (rise - fall)).clamp(0.0, length)
+            }
+        };
+        let range = [least(from, to, fall, rise), -least(-from, -to, -rise, -fall)];
+        if range.iter().any(|end| !end.is_finite()) {
+            return self;
+        }
+        let low = self.range[0].max(range[0] - ROUNDED).min(from).min(to);
+        let high = self.range[1].min(range[1] + ROUNDED).max(from).max(to);
+        Along { range: [low, high], ..self }
+    }
+}
+
+/// Density profile of a scene at its first moment along the ray through a pixel center: at `places` equidistant points
+/// within the box around the soft region, with bounds between them, in which noise is known to about 1e-6. Empty if the
+/// ray misses the box. Bent rays are replaced by straight ones.
+///
+/// # Errors
+/// As [`polygonize`](crate::render::polygonize), except for its settings.
+pub fn density_along(
+    library: &Library,
+    scene: &Scene,
+    subject: &Subject,
+    pixel: [u32; 2],
+    places: usize,
+) -> Result<Vec<Along>, PolygonizeError> {
+    let program = DensityProgram::of(library, scene, subject)?;
+    let view = &program.view;
+    let ndc = [0, 1].map(|axis| {
+        let side = f64::from(scene.image.size[axis]);
+        (2.0 * f64::from(pixel[axis]) + 1.0) / side - 1.0 - f64::from(view.pan[axis])
+    });
+    let across = DVec3::new(ndc[0] * f64::from(view.ray_scale[0]), -ndc[1] * f64::from(view.ray_scale[1]), 0.0);
+    let [from, to] = match scene.camera.projection {
+        Projection::Perspective => [DVec3::ZERO, across - DVec3::Z],
+        Projection::Parallel => [across, across - DVec3::Z],
+    };
+    let unit = from.distance(to);
+    let [from, to] = [from, to].map(|place| view.texture_matrix.as_dmat4().transform_point3(place));
+    let along = to - from;
+    let (low, high) = (view.box_min.as_dvec3(), view.box_max.as_dvec3());
+    let (a, b) = ((low - from) / along, (high - from) / along);
+    let (enters, leaves) = (a.min(b).max_element().max(0.0), a.max(b).min_element());
+    if enters >= leaves || enters.is_nan() || leaves.is_nan() {
+        return Ok(Vec::new());
+    }
+    let step = (leaves - enters) / places.saturating_sub(1).max(1) as f64;
+    let depths: Vec<f64> = (0..places).map(|index| enters + index as f64 * step).collect();
+    let all: Vec<DVec3> = depths.iter().map(|depth| from + along * *depth).collect();
+    let found = program.bound(0.0)?.at(&all)?;
+    let kept = |place: &DVec3| match scene.camera.clip {
+        Some([a, b, c, d]) => place.dot(DVec3::new(a.into(), b.into(), c.into())) <= f64::from(d),
+        None => true,
+    };
+    let densities = all.iter().zip(found).map(|(place, density)| if kept(place) { density } else { 0.0 });
+    let mut along: Vec<Along> = (depths.iter().zip(densities))
+        .map(|(depth, density)| Along { depth: depth * unit, density, range: [density; 2], slope: [0.0; 2] })
+        .collect();
+    let between = program.between(&all, step * unit)?;
+    for (index, Sloped { all: range, slope }) in between.into_iter().enumerate() {
+        let (range, slope) = ([range.lo - ROUNDED, range.hi + ROUNDED], [slope.lo, slope.hi]);
+        let part = match [index, index + 1].map(|end| kept(&all[end])) {
+            [true, true] => Along { range, slope, ..along[index] },
+            [false, false] => along[index],
+            // The clip plane cuts the segment.
+            _ => {
+                let range = [range[0].min(0.0), range[1].max(0.0)];
+                Along { range, slope: [f64::NEG_INFINITY, f64::INFINITY], ..along[index] }
+            }
+        };
+        along[index] = part.narrowed(&along[index + 1]);
+    }
+    Ok(along)
+}

@@ -1,0 +1,130 @@
+//! Warnings: settings that render correctly but are probably a mistake.
+
+use crate::render::measurements::Measurements;
+use crate::render::subject::Subject;
+use crate::render::variant::{Variant, VariantError};
+use crate::scene::{Pass, Scene, TargetFormat};
+use crate::shader::Library;
+use crate::shape::{self, Shape, Solid};
+
+/// Invisible opacity: half a code of 8 bits.
+const UNSEEN: f32 = 1.0 / 510.0;
+/// Sufficient density of a core; samples do not hit the exact deepest place.
+const CORE: f32 = 0.75;
+/// Quantization of a distance that shows in normals, in voxels: 8 bits over four voxels to each side.
+const TERRACE: f32 = 0.016;
+
+/// Warnings on a picture, one line each.
+///
+/// # Errors
+/// The scene has no program.
+pub fn warnings(
+    m: &Measurements,
+    scene: &Scene,
+    subject: &Subject,
+    library: &Library,
+) -> Result<Vec<String>, VariantError> {
+    let variant = Variant::of(scene, library)?;
+    let is_soft = variant.slots.get("softness").is_some_and(|names| names.iter().all(|name| name != "hard"));
+    let outer = variant.parameters.outer_iso().unwrap_or(scene.object.outer_iso);
+    let all = [
+        is_soft.then(|| no_width(scene, outer)).flatten(),
+        is_soft.then(|| no_core(scene, outer, subject)).flatten(),
+        lost_in_target(m, scene),
+        terraces(m, subject),
+        thin_shell(scene, subject),
+        guessed_sign(scene, subject),
+        proposed_iso(subject),
+    ];
+    Ok(all.into_iter().flatten().collect())
+}
+
+/// The soft region has no width.
+fn no_width(scene: &Scene, outer: f32) -> Option<String> {
+    let inner = scene.object.inner_iso;
+    (inner == outer).then(|| {
+        format!("both iso-values are {inner}: the object is hard; a larger object.outer_iso gives it a soft region")
+    })
+}
+
+/// The density nowhere reaches its maximum.
+fn no_core(scene: &Scene, outer: f32, subject: &Subject) -> Option<String> {
+    let deepest = match &subject.field {
+        Some(field) => field.range().0,
+        // Only formulas have no field, so no file is read.
+        None => match shape::open(&scene.object.input).ok()? {
+            Shape::Solid(Solid::Sphere { radius }) => -radius,
+            Shape::Solid(Solid::Cube { half }) => -half,
+            Shape::Solid(Solid::Torus { minor, .. }) => -minor,
+            _ => return None,
+        },
+    } * subject.scale;
+    let (inner, outer) = (scene.object.inner_iso, outer);
+    let densest = (outer - deepest) / (outer - inner);
+    (densest < CORE).then(|| {
+        format!(
+            "no place lies as deep as object.inner_iso = {inner}, the deepest at {deepest:.3}: the density is {densest:.2} at most"
+        )
+    })
+}
+
+/// The target has too few bits for thin matter.
+fn lost_in_target(m: &Measurements, scene: &Scene) -> Option<String> {
+    let (unit, name) = match scene.quality.target {
+        TargetFormat::Float32 => return None,
+        TargetFormat::Float16 => (2f32.powi(-11), "float16"),
+        TargetFormat::Unorm8 => (UNSEEN, "unorm8"),
+    };
+    let lost = (unit * m.slices as f32).min(1.0);
+    (scene.quality.pass == Pass::Slices && lost > UNSEEN).then(|| {
+        format!(
+            "{} slices blended in {name} may lose up to {lost:.2} of the opacity of thin matter; float32 holds it",
+            m.slices
+        )
+    })
+}
+
+/// Normals show the quantization of distances.
+fn terraces(m: &Measurements, subject: &Subject) -> Option<String> {
+    let voxel = subject.scale * subject.field.as_ref()?.grid.spacing.min_element();
+    (m.quantization > TERRACE * voxel).then(|| {
+        format!(
+            "distances are stored to {:.3} of a voxel, and normals show it as steps; object.field_encoding = \"normals16\" does not",
+            m.quantization / voxel
+        )
+    })
+}
+
+/// The iso-value of a scan was chosen automatically.
+fn proposed_iso(subject: &Subject) -> Option<String> {
+    let parts = subject.parts.iter().filter_map(|(name, part)| Some(format!("{name} of {}", part.proposed_iso?)));
+    let own = subject.proposed_iso.map(|iso| iso.to_string());
+    let all: Vec<String> = own.into_iter().chain(parts).collect();
+    (!all.is_empty()).then(|| {
+        format!("no iso-value was given: that of the surface is {}; `hypertexture info` tells others", all.join(", "))
+    })
+}
+
+/// The shell is thinner than the sampling distance.
+fn thin_shell(scene: &Scene, subject: &Subject) -> Option<String> {
+    let (shell, voxel) = (scene.object.shell, subject.scale * subject.field.as_ref()?.grid.spacing.max_element());
+    (shell > 0.0 && shell < 2.0 * voxel).then(|| {
+        let needed = (scene.object.resolution as f32 * 2.0 * voxel / shell).ceil();
+        format!(
+            "object.shell = {shell} is less than two voxels ({:.2e}) and may have holes; object.resolution = {needed} has none",
+            2.0 * voxel
+        )
+    })
+}
+
+/// The mesh is open, so inside and outside are a guess.
+fn guessed_sign(scene: &Scene, subject: &Subject) -> Option<String> {
+    let report = subject.report.as_ref()?;
+    (report.open_edges > 0 && scene.object.shell == 0.0).then(|| {
+        format!(
+            "the mesh has {} open edges: what is inside is a guess near them, where its winding number is 1/2 or more; \
+             object.shell makes a shell of it that has no inside to guess",
+            report.open_edges
+        )
+    })
+}

@@ -1,0 +1,259 @@
+//! Inputs of a program on the device: uniform buffers, images and samplers.
+
+use crate::gpu::{self, Buffer, BufferUse, Gpu, Image, Sampler, Uploads};
+use crate::render::camera::{FrameContext, SubFrame};
+use crate::render::cells::{self, BackgroundCells, CellStats, EmptyCells, Tiles};
+use crate::render::error::RenderError;
+use crate::render::inputs::{CELLS, Encoded, Filter, ImageInfo, Inputs, Sparse, StoredObjects, Values, blocks};
+use crate::render::variant::{OCTAVES_ID, Program, Resource, Use};
+use crate::scene::Scene;
+use crate::shader::Library;
+use std::sync::Arc;
+
+/// Bound resources of one program.
+pub(crate) struct BoundInputs {
+    blocks: Vec<(u32, Arc<Buffer>)>,
+    images: Vec<(u32, Arc<Image>)>,
+    samplers: Vec<(u32, Arc<Sampler>)>,
+    sparse: Option<Sparse>,
+    /// Whether an image depends on module parameters.
+    pub(crate) holds_parameters: bool,
+    stored: StoredObjects,
+    /// Images whose texels are still to be copied.
+    pub(crate) uploads: Uploads,
+    /// Empty cells, if the program or its slices use them.
+    cells: Option<EmptyCells>,
+    /// Empty cells of recorded pictures.
+    background_cells: BackgroundCells,
+    /// Grid of a single non-empty cell, if the program reads cells.
+    full_cell: Option<Arc<Image>>,
+    /// Latest values of the blocks.
+    values: Values,
+}
+
+impl BoundInputs {
+    /// Uploads all images of a program except the shadow volume and the cells, which are rendered with the picture: see
+    /// [`BoundInputs::replace`]. `is_cut` asks for cells for the tiles of slices. Images of recorded pictures are
+    /// queued only.
+    pub(crate) fn new(
+        gpu: &Gpu,
+        library: &Library,
+        program: &Program,
+        inputs: &Inputs,
+        is_cut: bool,
+        is_recorded: bool,
+    ) -> Result<BoundInputs, RenderError> {
+        let uploads = Uploads::default();
+        let upload = |(binding, image): &(u32, Encoded)| {
+            let own = uploads.image(gpu, image.name, image.dimension, image.format, &image.bytes)?;
+            if !is_recorded {
+                uploads.submit(gpu)?; // one by one: the texels exist twice until they are copied
+            }
+            Ok((*binding, own))
+        };
+        let sampler = |(binding, filter): &(u32, Filter)| {
+            Ok((*binding, Arc::new(Sampler::new(gpu, filter.address, filter.anisotropy)?)))
+        };
+        let cells = (is_cut || program.reads(CELLS)).then(|| EmptyCells::new(library));
+        Ok(BoundInputs {
+            blocks: Vec::new(),
+            images: inputs.images.iter().map(upload).collect::<Result<_, RenderError>>()?,
+            samplers: inputs.samplers.iter().map(sampler).collect::<Result<_, RenderError>>()?,
+            sparse: inputs.sparse,
+            holds_parameters: inputs.holds_parameters,
+            stored: inputs.stored().clone(),
+            full_cell: program.reads(CELLS).then(|| cells::image(gpu, &uploads, 1, &[0])).transpose()?,
+            uploads,
+            cells,
+            background_cells: BackgroundCells::new(library),
+            values: Values::new(),
+        })
+    }
+
+    /// Fills the blocks of a picture and proves its cells, unless told to `stop`.
+    pub(crate) fn fill(
+        &mut self,
+        gpu: &Gpu,
+        program: &Program,
+        frame: &FrameContext,
+        sub_frame: &SubFrame,
+        stop: &dyn Fn() -> bool,
+    ) -> Result<(), RenderError> {
+        self.set_blocks(gpu, program, frame, sub_frame)?;
+        let image_of = |name: &str| image_of(program, &self.images, name);
+        let update = |cells: &mut EmptyCells| cells.update(gpu, frame, &self.values, &image_of, stop);
+        self.cells.as_mut().map(update).transpose()?;
+        if self.full_cell.is_some() {
+            let own = self.cells.as_mut().map(|cells| cells.image(gpu, &self.uploads)).transpose()?.flatten();
+            self.set_cells(program, own);
+        }
+        Ok(self.uploads.submit(gpu)?)
+    }
+
+    /// Fills the blocks of a recorded picture without waiting; binds the cells proven so far.
+    pub(crate) fn fill_recorded(
+        &mut self,
+        gpu: &Gpu,
+        program: &Program,
+        frame: &FrameContext,
+        sub_frame: &SubFrame,
+    ) -> Result<(), RenderError> {
+        self.set_blocks(gpu, program, frame, sub_frame)?;
+        if self.full_cell.is_some() {
+            let named = |own: &Resource| Some((own.name.clone(), image_of(program, &self.images, &own.name)?));
+            let images = || program.resources.iter().filter_map(named).collect();
+            let own = self.background_cells.image(gpu, frame, &self.values, images, &self.uploads)?;
+            self.set_cells(program, own);
+        }
+        Ok(())
+    }
+
+    /// Binds the cells of a picture, or the single non-empty one.
+    fn set_cells(&mut self, program: &Program, own: Option<Arc<Image>>) {
+        if let Some(image) = own.or_else(|| self.full_cell.clone()) {
+            self.replace(program, CELLS, image);
+        }
+    }
+
+    fn set_blocks(
+        &mut self,
+        gpu: &Gpu,
+        program: &Program,
+        frame: &FrameContext,
+        sub_frame: &SubFrame,
+    ) -> Result<(), RenderError> {
+        self.values = self.stored.values(frame, sub_frame);
+        self.blocks = buffers(gpu, &self.blocks_of(program)?)?;
+        Ok(())
+    }
+
+    /// Whether the cells of a picture are available at once.
+    pub(crate) fn is_ready(&self, gpu: &Gpu, frame: &FrameContext) -> bool {
+        self.cells.as_ref().is_none_or(|cells| cells.are_decided(gpu, frame))
+    }
+
+    /// Tiles of the picture's slices, within some areas.
+    pub(crate) fn tiles(&self, frame: &FrameContext, within: &[gpu::Area]) -> Tiles {
+        self.cells.as_ref().map_or_else(|| Tiles::everywhere(within), |cells| cells.tiles(frame, within))
+    }
+
+    /// Whether the next recorded picture has cells, and the empty share of the latest.
+    #[cfg(test)]
+    pub(crate) fn recorded_cells(&self) -> (bool, f32) {
+        self.background_cells.found()
+    }
+
+    /// Statistics of the picture's cells.
+    pub(crate) fn cells(&self) -> Option<CellStats> {
+        self.cells.as_ref().and_then(EmptyCells::found)
+    }
+
+    /// Largest error of a stored distance, units of its object; 0 for formulas.
+    pub(crate) fn quantization(&self) -> f32 {
+        self.stored.quantization()
+    }
+
+    /// Memory saved by bricks.
+    pub(crate) fn sparse(&self) -> Option<Sparse> {
+        self.sparse
+    }
+
+    /// Binds an image that is rendered with the picture in place of the previous one.
+    pub(crate) fn replace(&mut self, program: &Program, name: &str, image: Arc<Image>) {
+        if let Some(found) = program.resources.iter().find(|resource| resource.name == name) {
+            self.images.retain(|(binding, _)| *binding != found.binding);
+            self.images.push((found.binding, image));
+        }
+    }
+
+    /// Latest blocks of another program, which must not read further values.
+    pub(crate) fn blocks_of(&self, program: &Program) -> Result<Vec<(Resource, Vec<u8>)>, RenderError> {
+        blocks(program, &self.values)
+    }
+
+    /// Images that determine the results of another program. Cells do not: they only skip empty space.
+    pub(crate) fn images_of(&self, program: &Program) -> Vec<Arc<Image>> {
+        let decides = |own: &Resource, number: u32| own.binding == number && own.name != CELLS;
+        let is_read = |(number, _): &&(u32, _)| program.resources.iter().any(|own| decides(own, *number));
+        self.images.iter().filter(is_read).map(|(_, image)| image.clone()).collect()
+    }
+
+    /// Resources by binding.
+    pub(crate) fn resources(&self) -> Vec<(u32, gpu::Resource)> {
+        self.with(&self.blocks)
+    }
+
+    /// Images and samplers by binding, with the blocks of another program.
+    pub(crate) fn with(&self, blocks: &[(u32, Arc<Buffer>)]) -> Vec<(u32, gpu::Resource)> {
+        let blocks = blocks.iter().map(|(binding, block)| (*binding, gpu::Resource::Uniform(block.clone())));
+        let images = self.images.iter().map(|(binding, image)| (*binding, gpu::Resource::Image(image.clone())));
+        let samplers = self.samplers.iter().map(|(binding, own)| (*binding, gpu::Resource::Sampler(own.clone())));
+        blocks.chain(images).chain(samplers).collect()
+    }
+
+    /// Descriptions of the images.
+    pub(crate) fn images(&self) -> Vec<ImageInfo> {
+        self.images.iter().map(|(_, image)| read(image)).collect()
+    }
+
+    /// Bytes of the images on the device.
+    pub(crate) fn bytes(&self) -> u64 {
+        self.images.iter().map(|(_, image)| image.bytes()).sum()
+    }
+}
+
+/// Uploads filled blocks, by binding.
+pub(crate) fn buffers(gpu: &Gpu, blocks: &[(Resource, Vec<u8>)]) -> Result<Vec<(u32, Arc<Buffer>)>, RenderError> {
+    let buffer = |(resource, bytes): &(Resource, Vec<u8>)| {
+        Ok((resource.binding, Arc::new(Buffer::new(gpu, &resource.name, BufferUse::Uniform, bytes)?)))
+    };
+    blocks.iter().map(buffer).collect()
+}
+
+/// Description of the image of a binding.
+fn image_of(program: &Program, images: &[(u32, Arc<Image>)], name: &str) -> Option<ImageInfo> {
+    let binding = program.resources.iter().find(|resource| resource.name == name)?.binding;
+    images.iter().find(|(own, _)| *own == binding).map(|(_, image)| read(image))
+}
+
+/// Description of an image.
+fn read(image: &Image) -> ImageInfo {
+    let channels = image.format().channels();
+    let bits = 8 * image.format().bytes() as u32 / channels;
+    ImageInfo { name: image.name().into(), size: image.size(), channels, bits, bytes: image.bytes() }
+}
+
+/// Compiles the pipeline of a program with the octaves of a scene.
+pub(crate) fn pipeline(
+    gpu: &Gpu,
+    program: &Program,
+    scene: &Scene,
+    attributes: &[u32],
+    format: gpu::Format,
+    samples: u32,
+    (blend, marks): (gpu::Blend, gpu::Marks),
+) -> Result<gpu::Pipeline, gpu::GpuError> {
+    let bindings: Vec<gpu::Binding> = program.resources.iter().map(binding).collect();
+    let (vertex, fragment, constants) = (&program.vertex, &program.fragment, &[(OCTAVES_ID, scene.effect.octaves)]);
+    let description = gpu::PipelineDescription {
+        vertex,
+        fragment,
+        constants,
+        bindings: &bindings,
+        attributes,
+        format,
+        samples,
+        blend,
+        marks,
+    };
+    gpu::Pipeline::new(gpu, &description)
+}
+
+fn binding(resource: &Resource) -> gpu::Binding {
+    let kind = match resource.holds {
+        Use::Block(_) => gpu::BindingKind::Uniform,
+        Use::Image => gpu::BindingKind::Image,
+        Use::Sampler => gpu::BindingKind::Sampler,
+    };
+    gpu::Binding { index: resource.binding, kind, vertex: resource.vertex, fragment: resource.fragment }
+}

@@ -1,0 +1,92 @@
+//! Depth of a picture, for compositing with other content.
+//!
+//! Role: for each pixel, the depth along the axis of view at which the opacity along the ray reaches 1/2. Invariant:
+//! rays take the samples of the picture, rays or slices, and no program of a picture depends on it.
+
+use super::bind::BoundInputs;
+use super::submission_budget::{SubmissionBudget, SubmissionControl};
+use super::{bind, pass};
+use crate::gpu::{self, Area, BindSet, Dimension, Format, Gpu, Image, ImageUse, Pipeline, Target};
+use crate::render::camera::FrameContext;
+use crate::render::error::RenderError;
+use crate::render::variant::{Program, Variant, VariantError};
+use crate::scene::{Pass, RayPath, Scene};
+use crate::shader::{Library, Linker};
+use std::sync::Arc;
+
+/// Program and pipeline of a scene's depth.
+#[derive(Clone)]
+pub(crate) struct Depth {
+    program: Program,
+    pub(crate) pipeline: Arc<Pipeline>,
+    budget: SubmissionBudget,
+}
+
+/// Checks cheaply that the pictures of a scene have a depth.
+///
+/// # Errors
+/// [`RenderError::Depth`]; or the scene has more samples than rays may take.
+pub fn check_depth(scene: &Scene, library: &Library) -> Result<(), RenderError> {
+    scene_by_rays(scene, library).map(drop)
+}
+
+/// The scene with one straight ray for each pixel.
+///
+/// # Errors
+/// As [`check_depth`].
+pub(crate) fn scene_by_rays(scene: &Scene, library: &Library) -> Result<Scene, RenderError> {
+    if scene.effect.ray_path == RayPath::Refracted {
+        return Err(RenderError::Depth("effect.ray_path = \"straight\""));
+    }
+    if scene.camera.slice_stack {
+        return Err(RenderError::Depth("camera.slice_stack = false"));
+    }
+    let mut scene = scene.clone();
+    (scene.quality.pass, scene.quality.msaa, scene.quality.supersampling) = (Pass::March, 1, 1);
+    scene.light.shadows = false;
+    scene.check(library).map_err(VariantError::from)?; // slices may have more samples
+    Ok(scene)
+}
+
+impl Depth {
+    /// Links and compiles the program, unless `made` serves, which belongs to a scene with as many octaves.
+    pub(crate) fn new(
+        gpu: &Gpu,
+        library: &Library,
+        scene: &Scene,
+        variant: &Variant,
+        made: Option<Depth>,
+    ) -> Result<Depth, RenderError> {
+        let scene = scene_by_rays(scene, library)?;
+        let program = variant.depth(&scene, library)?.program(library, Linker::new)?;
+        if let Some(made) = made.filter(|made| made.program == program) {
+            return Ok(made);
+        }
+        let how = (gpu::Blend::Replace, gpu::Marks::None);
+        let pipeline = bind::pipeline(gpu, &program, &scene, &[], Format::R32Float, 1, how)?;
+        Ok(Depth { program, pipeline: Arc::new(pipeline), budget: SubmissionBudget::default() })
+    }
+
+    /// Binds the images and latest values of the picture.
+    pub(crate) fn bind(&self, gpu: &Gpu, bound: &BoundInputs) -> Result<BindSet, RenderError> {
+        let blocks = bind::buffers(gpu, &bound.blocks_of(&self.program)?)?;
+        Ok(self.pipeline.bind(&bound.with(&blocks))?)
+    }
+
+    /// Draws the depth, object units, row by row from the top. `stop` receives the milliseconds on the device.
+    pub(crate) fn draw(
+        &mut self,
+        gpu: &Gpu,
+        frame: &FrameContext,
+        bound: &BoundInputs,
+        stop: &dyn Fn(f64) -> bool,
+    ) -> Result<Vec<f32>, RenderError> {
+        let [width, height] = frame.scene.image.size;
+        let plane = Dimension::Plane(width, height);
+        let image = Image::new(gpu, "depth", plane, Format::R32Float, ImageUse::Target(1))?;
+        let (set, all) = (self.bind(gpu, bound)?, [Area::whole([width, height])]);
+        let mut control = SubmissionControl { budget: &mut self.budget, stop };
+        pass::march(gpu, &self.pipeline, &set, (&all[..], frame.planes.count), Target::of(&image), &mut control)?;
+        Ok(image.read()?.into_iter().map(|[depth, ..]| depth).collect())
+    }
+}

@@ -1,0 +1,22 @@
+//! The frame pipeline: passes on the device and the renderer that submits them.
+
+mod background;
+mod bind;
+mod depth;
+mod destination;
+mod early_exit;
+mod half_angle;
+mod pass;
+mod pixels;
+mod prepared;
+mod renderer;
+mod shadow;
+mod submission_budget;
+
+pub use depth::check_depth;
+pub(crate) use early_exit::OpaqueMask;
+#[cfg(test)]
+pub(crate) use pass::stack;
+pub use pixels::paste_areas;
+pub use renderer::{Renderer, render};
+pub use shadow::{Transmittance, transmittance};

@@ -1,0 +1,389 @@
+//! Resources shared by the pictures of a scene, and the frame pipeline.
+
+use super::bind::BoundInputs;
+use super::depth::Depth;
+use super::destination::{Destination, targets};
+use super::early_exit::OpaqueMask;
+use super::half_angle::{HalfAngle, Slices};
+use super::pixels::{Mean, check_finite};
+use super::shadow::{ShadowCaster, ShadowVolume};
+use super::submission_budget::{SubmissionBudget, SubmissionControl};
+use super::{bind, pass};
+use crate::field::Progress;
+use crate::gpu::{self, Buffer, Gpu, HostCommands, Recording};
+use crate::render::camera::{FrameContext, SubFrame};
+use crate::render::error::RenderError;
+use crate::render::inputs::{Inputs, SHADOW};
+use crate::render::measurements::{Frame, Measurements};
+use crate::render::subject::Subject;
+use crate::render::variant::{Program, Variant};
+use crate::scene::schema::Changes;
+use crate::scene::{Pass, Scene};
+use crate::shader::library::ZERO;
+use crate::shader::{Library, Linker, Slots};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Alpha below this marks a ray whose loops the device has cut: see `march.frag`.
+const CUT_SHORT: f32 = -1000.0;
+
+/// Parts of a prepared scene for reuse.
+#[derive(Default)]
+pub(crate) struct Reusable {
+    /// A program with its slots.
+    program: Option<(Program, Slots)>,
+    bound: Option<BoundInputs>,
+    pipelines: Option<Pipelines>,
+}
+
+/// Compiled pipelines, with the state of their targets.
+#[derive(Clone)]
+struct Pipelines {
+    shape: Shape,
+    picture: Arc<gpu::Pipeline>,
+    /// Shadow casting, with `light.shadows`.
+    caster: Option<ShadowCaster>,
+    /// Light buffers, with half-angle slicing.
+    half_angle: Option<HalfAngle>,
+    /// Depth, once requested.
+    depth: Option<Depth>,
+    /// Submission budget of the pictures.
+    budget: SubmissionBudget,
+}
+
+/// Octaves, vertex attributes, target format, samples, blending, and use of the opaque mask.
+type Shape = (u32, &'static [u32], gpu::Format, u32, gpu::Blend, gpu::Marks);
+
+/// A scene with program, pipelines, images and targets.
+pub(crate) struct Prepared {
+    gpu: Gpu,
+    scene: Scene,
+    /// Variant of its program, which may serve others.
+    variant: Variant,
+    destination: Destination,
+    pub(crate) program: Program,
+    pub(crate) bound: BoundInputs,
+    pipelines: Pipelines,
+    /// Render target, and its resolve target with multisampling.
+    targets: Option<(Arc<gpu::Image>, Option<gpu::Image>)>,
+    /// Early exit of slices.
+    marks: Option<OpaqueMask>,
+    compile_ms: f64,
+    /// Size of the full picture of which pictures are previews.
+    pub(crate) whole: [u32; 2],
+}
+
+impl Prepared {
+    #[cfg(test)]
+    pub(crate) fn budget(&mut self) -> &mut SubmissionBudget {
+        &mut self.pipelines.budget
+    }
+
+    /// Prepares a scene, with reusable parts.
+    pub(crate) fn new(
+        gpu: &Gpu,
+        library: &Library,
+        frame: &FrameContext,
+        destination: Destination,
+        reusable: Reusable,
+        progress: Progress<'_>,
+    ) -> Result<Prepared, RenderError> {
+        let (start, scene) = (Instant::now(), &frame.scene);
+        let (program, slots) = match reusable.program {
+            Some(made) => made,
+            None => (frame.variant.program(library, Linker::new)?, frame.variant.slots.clone()),
+        };
+        let variant = Variant { slots, ..frame.variant.clone() };
+        let mut compile_ms = start.elapsed().as_secs_f64() * 1e3;
+        let quality = &scene.quality;
+        let bound = reusable.bound.map_or_else(
+            || {
+                let inputs = Inputs::new(library, frame, &program, progress)?;
+                let is_recorded = destination != Destination::Frame;
+                let is_cut = !is_recorded && quality.pass == Pass::Slices;
+                BoundInputs::new(gpu, library, &program, &inputs, is_cut, is_recorded)
+            },
+            Ok,
+        )?;
+        let (format, blend) = (destination.format(quality), destination.blend(scene));
+        let pipeline_start = Instant::now();
+        let attributes = if quality.pass == Pass::Slices { pass::attributes(quality.proxy) } else { &[] };
+        let ends_early = destination == Destination::Frame && OpaqueMask::serve(scene);
+        let marks = ends_early.then(|| OpaqueMask::new(gpu, library, scene, &variant)).transpose()?;
+        let heeds = if marks.is_some() { gpu::Marks::Test } else { gpu::Marks::None };
+        let shape = (scene.effect.octaves, attributes, format, quality.msaa, blend, heeds);
+        let (picture, caster, half_angle, mut depth, budget) =
+            match reusable.pipelines.filter(|made| made.shape == shape) {
+                Some(made) => (made.picture, made.caster, made.half_angle, made.depth, made.budget),
+                None => {
+                    let picture =
+                        bind::pipeline(gpu, &program, scene, attributes, format, quality.msaa, (blend, heeds))?;
+                    (Arc::new(picture), None, None, None, SubmissionBudget::default())
+                }
+            };
+        let caster =
+            program.reads(SHADOW).then(|| ShadowCaster::new(gpu, library, scene, &variant, caster)).transpose()?;
+        let half_angle = scene.is_half_angle().then(|| HalfAngle::new(gpu, library, scene, &variant, half_angle));
+        if let Destination::Host { has_depth: true, .. } = destination {
+            depth = Some(Depth::new(gpu, library, scene, &variant, depth)?);
+        }
+        let pipelines = Pipelines { shape, picture, caster, half_angle: half_angle.transpose()?, depth, budget };
+        compile_ms += pipeline_start.elapsed().as_secs_f64() * 1e3;
+        let targets = match destination {
+            Destination::Host { .. } => None,
+            Destination::Frame => Some(targets(gpu, scene, format)?),
+        };
+        let (gpu, scene) = (gpu.clone(), scene.clone());
+        Ok(Prepared {
+            gpu,
+            scene,
+            variant,
+            destination,
+            program,
+            bound,
+            pipelines,
+            targets,
+            marks,
+            compile_ms,
+            whole: frame.whole,
+        })
+    }
+
+    /// Whether this serves another scene: one that differs only in per-picture values or in size.
+    pub(crate) fn fits(&self, scene: &Scene, variant: &Variant, destination: Destination) -> bool {
+        let mut alike = scene.clone();
+        alike.image.size = self.scene.image.size;
+        self.destination.serves(destination)
+            && !alike.changes(&self.scene).contains(&Changes::Targets)
+            && self.has_same_inputs(scene, variant)
+    }
+
+    /// Resizes the targets to those of a scene that fits.
+    pub(crate) fn resize(&mut self, scene: &Scene) -> Result<(), RenderError> {
+        if self.scene.image.size != scene.image.size {
+            self.scene.image.size = scene.image.size;
+            if let Some((color, _)) = &self.targets {
+                self.targets = Some(targets(&self.gpu, scene, color.format())?);
+            }
+            self.marks.iter_mut().try_for_each(|marks| marks.resize(&self.gpu, scene))?;
+        }
+        self.pipelines.half_angle.iter_mut().try_for_each(|light| light.resize(&self.gpu, scene))
+    }
+
+    /// Parts for another scene that the program serves.
+    pub(crate) fn into_reusable(self, scene: &Scene, variant: &Variant) -> Reusable {
+        let has_same_inputs = self.has_same_inputs(scene, variant);
+        Reusable {
+            program: Some((self.program, self.variant.slots)),
+            bound: has_same_inputs.then_some(self.bound),
+            pipelines: Some(self.pipelines),
+        }
+    }
+
+    /// Copies of the compiled parts, for another scene.
+    pub(crate) fn share(&self) -> Reusable {
+        let program = Some((self.program.clone(), self.variant.slots.clone()));
+        Reusable { program, bound: None, pipelines: Some(self.pipelines.clone()) }
+    }
+
+    /// Whether another scene has the same program and images: one that differs only in camera, time, parameters,
+    /// samples and targets, with matter of equal reach.
+    pub(crate) fn has_same_inputs(&self, scene: &Scene, variant: &Variant) -> bool {
+        // Some images depend on the step.
+        let by_step = ["segment_image", "brick_image"].iter().any(|name| self.program.reads(name));
+        let reach = |variant: &Variant| {
+            let all = [&variant.parameters].into_iter().chain(variant.parts.values());
+            all.map(|parameters| (parameters.outer_iso(), parameters.spread(1.0))).collect::<Vec<_>>()
+        };
+        let changes = scene.changes(&self.scene);
+        let same_settings = !changes.contains(&Changes::Field) && !changes.contains(&Changes::Images);
+        let same_step = !by_step || scene.quality.samples == self.scene.quality.samples;
+        let same_tables = !self.bound.holds_parameters || scene.parameters == self.scene.parameters;
+        same_settings && same_step && same_tables && self.serves(variant) && reach(variant) == reach(&self.variant)
+    }
+
+    /// Whether the program serves a variant. Every parameter folded to 0 here must be 0 there. More zeros are fine:
+    /// relinking would stall a slider.
+    pub(crate) fn serves(&self, variant: &Variant) -> bool {
+        let [own, wanted] = [&self.variant, variant].map(|variant| {
+            let modules = variant.slots.iter().filter(|(slot, _)| *slot != ZERO);
+            (variant.entries, modules.collect::<Vec<_>>(), variant.slots.get(ZERO).map_or(&[][..], Vec::as_slice))
+        });
+        own.0 == wanted.0 && own.1 == wanted.1 && own.2.iter().all(|zero| wanted.2.contains(zero))
+    }
+
+    /// Context of a picture, with the slots of this program: its cells and tables serve the next picture, in which a zero
+    /// may have changed.
+    fn context(&self, scene: &Scene, subject: &Subject, variant: &Variant) -> FrameContext {
+        let variant = Variant { slots: self.variant.slots.clone(), ..variant.clone() };
+        FrameContext { whole: self.whole, ..FrameContext::with_variant(scene, subject, variant) }
+    }
+
+    /// Slices of a picture; `None` for rays.
+    fn slices(&self, frame: &FrameContext) -> Result<Option<(Buffer, pass::Stack)>, RenderError> {
+        let (quality, view, planes) = (&frame.scene.quality, &frame.view, &frame.planes);
+        if quality.pass == Pass::March {
+            return Ok(None);
+        }
+        // Slanted rays may leave the sphere at the nearest plane.
+        let radius = view.reaches()[0] + planes.step;
+        let stack = pass::stack(planes, radius, quality.proxy, quality.order, view.tint());
+        let none = [0; 4]; // a buffer cannot be empty, a stack can
+        let bytes = if stack.vertices.is_empty() { &none } else { bytemuck::cast_slice(&stack.vertices) };
+        Ok(Some((Buffer::new(&self.gpu, "proxy slices", gpu::BufferUse::Vertices, bytes)?, stack)))
+    }
+
+    pub(crate) fn invalidate_shadows(&mut self) {
+        self.pipelines.caster.iter_mut().for_each(ShadowCaster::forget);
+    }
+
+    /// Casts the shadow volume of a picture and waits for it, unless the latest serves. Returns the milliseconds on the
+    /// device now, and those of a reused volume.
+    fn cast(&mut self, frame: &FrameContext, stop: &dyn Fn(f64) -> bool) -> Result<Option<[f64; 2]>, RenderError> {
+        let Some(caster) = &mut self.pipelines.caster else { return Ok(None) };
+        let ShadowVolume { image, gpu_ms, is_kept, .. } = caster.volume(&self.gpu, frame, &self.bound, stop)?;
+        self.bound.replace(&self.program, SHADOW, image);
+        Ok(Some(if is_kept { [0.0, gpu_ms] } else { [gpu_ms, 0.0] }))
+    }
+
+    /// Records a picture of a scene that fits.
+    pub(crate) fn record(
+        &mut self,
+        commands: &mut HostCommands<'_>,
+        scene: &Scene,
+        subject: &Subject,
+        variant: &Variant,
+    ) -> Result<Recording, RenderError> {
+        let frame = self.context(scene, subject, variant);
+        let mut all = SubFrame::all(scene);
+        let (Some(sub_frame), None) = (all.next(), all.next()) else {
+            return Err(RenderError::Recorded("quality.supersampling = 1"));
+        };
+        self.bound.fill_recorded(&self.gpu, &self.program, &frame, &sub_frame)?;
+        if self.pipelines.caster.is_some() {
+            self.bound.uploads.submit(&self.gpu)?; // the shadow pass is submitted, and reads them
+        }
+        self.cast(&frame, &|_| false)?;
+        let (vertices, count) = match self.slices(&frame)? {
+            Some((vertices, stack)) => (Some(vertices), stack.slices * stack.per_slice),
+            None => (None, 3),
+        };
+        let pipeline = &self.pipelines.picture;
+        let set = pipeline.bind(&self.bound.resources())?;
+        let depth = self.pipelines.depth.as_ref().filter(|_| commands.has_depth());
+        let depth = depth.map(|own| Ok::<_, RenderError>((own.pipeline.clone(), own.bind(&self.gpu, &self.bound)?)));
+        Ok(commands.draw(&self.bound.uploads, pipeline, set, vertices, 0..count, depth.transpose()?))
+    }
+
+    /// Depth of a picture of a scene that fits, by rays; `stop` receives the milliseconds on the device.
+    pub(crate) fn depth(
+        &mut self,
+        library: &Library,
+        scene: &Scene,
+        subject: &Subject,
+        variant: &Variant,
+        stop: &dyn Fn(f64) -> bool,
+    ) -> Result<Vec<f32>, RenderError> {
+        let frame = self.context(scene, subject, variant);
+        let depth = Depth::new(&self.gpu, library, scene, &frame.variant, self.pipelines.depth.take())?;
+        for sub_frame in SubFrame::all(scene).take(1) {
+            self.bound.fill(&self.gpu, &self.program, &frame, &sub_frame, &|| stop(0.0))?;
+        }
+        self.pipelines.depth.insert(depth).draw(&self.gpu, &frame, &self.bound, stop)
+    }
+
+    /// The frame pipeline: areas of a picture of a scene that fits, averaged over the `wanted` sub-frames. Returns the
+    /// pixels of the areas in order, or `None` if the device has cut the loops of two-phase rays. `stop` receives the
+    /// milliseconds on the device.
+    pub(crate) fn frame(
+        &mut self,
+        scene: &Scene,
+        subject: &Subject,
+        variant: &Variant,
+        areas: &[gpu::Area],
+        wanted: impl Fn(u32) -> bool,
+        stop: &dyn Fn(f64) -> bool,
+    ) -> Result<Option<Frame>, RenderError> {
+        let frame = self.context(scene, subject, variant);
+        let slices = self.slices(&frame)?;
+        let mut pictures = Mean::default();
+        let mut drawn = pass::PassTiming { fragments: Some(0), ..Default::default() };
+        let (mut shadow_ms, mut shadow_before_ms) = (None, 0.0);
+        for (_, sub_frame) in (0..).zip(SubFrame::all(scene)).filter(|(number, _)| wanted(*number)) {
+            let so_far = drawn.gpu_ms + shadow_ms.unwrap_or(0.0);
+            self.bound.fill(&self.gpu, &self.program, &frame, &sub_frame, &|| stop(so_far))?;
+            if let Some([now, before]) = self.cast(&frame, &|ms| stop(so_far + ms))? {
+                shadow_ms = Some(shadow_ms.unwrap_or(0.0) + now);
+                shadow_before_ms += if pictures.count == 0 { before } else { 0.0 };
+            }
+            let Some((color, resolved)) = &self.targets else { continue };
+            let marks = self.marks.as_ref().map(|marks| &marks.image);
+            let target = gpu::Target { color, resolved: resolved.as_ref(), marks };
+            let (gpu, pipeline) = (&self.gpu, &*self.pipelines.picture);
+            let before = drawn.gpu_ms + shadow_ms.unwrap_or(0.0);
+            let stop = |ms: f64| stop(before + ms);
+            let mut control = SubmissionControl { budget: &mut self.pipelines.budget, stop: &stop };
+            drawn.append(&match (&slices, &self.pipelines.half_angle) {
+                (Some((vertices, stack)), Some(light)) => {
+                    let slices = Slices { pipeline, program: &self.program, bound: &self.bound, vertices, stack };
+                    light.draw(gpu, &frame, &slices, areas, target, &mut control)?
+                }
+                (Some((vertices, stack)), None) => {
+                    let set = pipeline.bind(&self.bound.resources())?;
+                    let between = match &self.marks {
+                        Some(marks) => marks.between(gpu, &self.bound, color, stack.slices)?,
+                        None => pass::BetweenSlices::Nothing,
+                    };
+                    let tiles = self.bound.tiles(&frame, areas);
+                    let places = (areas, &tiles);
+                    pass::draw(gpu, pipeline, [&set; 2], vertices, stack, places, target, &between, &mut control)?
+                }
+                (None, _) => {
+                    let set = pipeline.bind(&self.bound.resources())?;
+                    pass::march(gpu, pipeline, &set, (areas, frame.planes.count), target, &mut control)?
+                }
+            });
+            let texels = resolved.as_ref().unwrap_or(color).read_areas(areas)?;
+            // Only two-phase programs mark cut rays; custom modules may return any alpha.
+            if self.variant.uses_two_phase() && texels.iter().any(|[.., alpha]| *alpha < CUT_SHORT) {
+                return Ok(None);
+            }
+            pictures.add(texels);
+        }
+        let pixels = pictures.of_all();
+        check_finite(&pixels, areas)?;
+        let images = self.targets.iter().flat_map(|(color, resolved)| std::iter::once(&**color).chain(resolved));
+        let images = images.chain(self.marks.as_ref().map(|marks| &marks.image));
+        let targets: u64 = images.map(gpu::Image::bytes).sum();
+        let measurements = Measurements {
+            modules: frame.variant.key(),
+            others: Vec::new(),
+            shipped: self.program.shipped,
+            left_out: self.program.left_out(),
+            octaves: frame.variant.reads("turbulence").then_some([frame.variant.octaves, scene.effect.octaves]),
+            slices: frame.planes.count,
+            step: frame.planes.step,
+            fragments: drawn.fragments,
+            compile_ms: std::mem::take(&mut self.compile_ms) + drawn.first_use_ms,
+            gpu_ms: drawn.gpu_ms,
+            shadow_ms,
+            shadow_before_ms,
+            longest_ms: drawn.longest_ms,
+            total_ms: 0.0,
+            processor_ms: None,
+            images: self.bound.images(),
+            device_bytes: self.bound.bytes() + targets + self.pipelines.half_angle.as_ref().map_or(0, HalfAngle::bytes),
+            sparse: self.bound.sparse(),
+            cells: self.bound.cells(),
+            quantization: self.bound.quantization(),
+            held_beyond: frame
+                .view
+                .objects
+                .iter()
+                .filter(|own| own.spread.held)
+                .map(|own| own.spread.hold_radius)
+                .reduce(f32::min),
+        };
+        Ok(Some(Frame { size: scene.image.size, pixels, measurements }))
+    }
+}

@@ -1,0 +1,385 @@
+//! The renderer: public functions from a scene to its picture.
+
+use super::background::BackgroundPrepare;
+use super::depth::scene_by_rays;
+use super::destination::Destination;
+use super::pixels::paste_areas;
+use super::prepared::{Prepared, Reusable};
+use crate::field::Progress;
+use crate::gpu::{Area, Format, Gpu, HostCommands, Recording};
+use crate::render::camera::FrameContext;
+use crate::render::custom_modules::with_module_cause;
+use crate::render::error::RenderError;
+use crate::render::measurements::Frame;
+use crate::render::subject::Subject;
+use crate::render::variant::Variant;
+use crate::scene::{Order, Scene};
+use crate::shader::{Library, Slots};
+use std::ops::Range;
+use std::sync::Arc;
+use std::time::Instant;
+use support::watch::own_processor_time;
+
+/// Renders a scene.
+///
+/// The pixels are premultiplied linear RGBA without the background. A hard surface is located within the step
+/// (`measurements.step`); a ray that grazes an edge for less than a step may miss it. The error in soft matter is of
+/// the order of the step, and with `quality.integration = "segment"` of its square.
+///
+/// # Errors
+/// The scene has no valid program, or a Vulkan call fails.
+pub fn render(gpu: &Gpu, library: &Library, scene: &Scene, subject: &Subject) -> Result<Frame, RenderError> {
+    Renderer::new(gpu, library, subject).render(scene)
+}
+
+/// Renders scenes of one subject, and reuses programs, images and pipelines between pictures.
+pub struct Renderer {
+    gpu: Gpu,
+    library: Library,
+    subject: Subject,
+    /// Cached scenes, the latest last.
+    prepared: Vec<Prepared>,
+    cache_size: usize,
+    whole: Option<[u32; 2]>,
+    stop: Stop,
+    /// Modules and samples of scenes whose two-phase rays the device has cut short.
+    cut_short: Vec<(Slots, u32)>,
+    /// Preparation of a host's next scene.
+    preparing: Option<BackgroundPrepare>,
+    /// Time of preparing the next picture, milliseconds.
+    prepared_ms: f64,
+}
+
+/// Whether a picture ends unfinished; receives the milliseconds on the device.
+type Stop = Arc<dyn Fn(f64) -> bool + Send + Sync>;
+
+impl Renderer {
+    /// Creates a renderer that shares device, library and subject.
+    pub fn new(gpu: &Gpu, library: &Library, subject: &Subject) -> Renderer {
+        let (gpu, library, subject) = (gpu.clone(), library.clone(), subject.clone());
+        Renderer {
+            gpu,
+            library,
+            subject,
+            prepared: Vec::new(),
+            cache_size: 1,
+            whole: None,
+            stop: Arc::new(|_| false),
+            cut_short: Vec::new(),
+            preparing: None,
+            prepared_ms: 0.0,
+        }
+    }
+
+    /// Sets the number of cached scenes that differ in more than camera, size and parameters (default 1).
+    pub fn set_cache_size(&mut self, scenes: usize) {
+        self.cache_size = scenes.max(1);
+    }
+
+    /// Ends later pictures with [`RenderError::Stopped`] when `stop` returns true. It is called between submissions,
+    /// which take some [`SUBMISSION_MS`](super::submission_budget::SUBMISSION_MS), with the milliseconds of the picture
+    /// so far.
+    pub fn stop_where(&mut self, stop: impl Fn(f64) -> bool + Send + Sync + 'static) {
+        self.stop = Arc::new(stop);
+    }
+
+    /// Renders previews: empty cells are chosen as for a picture of `size`.
+    pub fn preview_of(&mut self, size: [u32; 2]) {
+        self.whole = Some(size);
+    }
+
+    /// Prepares the next picture of a scene. `progress` receives the finished share of a noise block, from any thread;
+    /// the largest take seconds.
+    ///
+    /// # Errors
+    /// As [`render`].
+    pub fn prepare(&mut self, scene: &Scene, progress: Progress<'_>) -> Result<(), RenderError> {
+        let start = Instant::now();
+        let variant = self.variant(scene)?;
+        self.prepared(scene, &variant, Destination::Frame, progress)?;
+        self.prepared_ms += start.elapsed().as_secs_f64() * 1e3;
+        Ok(())
+    }
+
+    /// Whether [`Renderer::prepare`] has nothing to do for a scene.
+    pub fn is_prepared(&self, scene: &Scene) -> bool {
+        self.variant(scene).is_ok_and(|variant| self.serving(scene, &variant).next().is_some())
+    }
+
+    /// Whether a picture of a scene can be drawn at once, with its prover of empty cells loaded.
+    pub fn is_ready(&self, scene: &Scene) -> bool {
+        let whole = self.whole.unwrap_or(scene.image.size);
+        self.variant(scene).is_ok_and(|variant| {
+            let frame = FrameContext { whole, ..FrameContext::with_variant(scene, &self.subject, variant.clone()) };
+            self.serving(scene, &variant).any(|own| own.bound.is_ready(&self.gpu, &frame))
+        })
+    }
+
+    fn serving<'a>(&'a self, scene: &'a Scene, variant: &'a Variant) -> impl Iterator<Item = &'a Prepared> {
+        self.prepared.iter().filter(move |own| own.fits(scene, variant, Destination::Frame))
+    }
+
+    /// Discards cached shadow volumes, so that the next pictures include their time.
+    pub fn invalidate_shadows(&mut self) {
+        self.prepared.iter_mut().for_each(Prepared::invalidate_shadows);
+    }
+
+    /// Renders a scene, with the bits of [`render`].
+    ///
+    /// # Errors
+    /// As [`render`].
+    pub fn render(&mut self, scene: &Scene) -> Result<Frame, RenderError> {
+        let all = 0..scene.image.size[1];
+        self.render_bands(scene, std::slice::from_ref(&all))
+    }
+
+    /// Renders bands of a picture: ranges of rows that neither overlap nor touch. Their pixels have the bits of the
+    /// whole picture; the others are undefined.
+    ///
+    /// # Errors
+    /// As [`render`].
+    pub fn render_bands(&mut self, scene: &Scene, bands: &[Range<u32>]) -> Result<Frame, RenderError> {
+        let [width, height] = scene.image.size;
+        let areas: Vec<Area> = bands.iter().map(|rows| Area { columns: 0..width, rows: rows.clone() }).collect();
+        let mut frame = self.render_areas(scene, &areas, None)?;
+        if areas != [Area::whole(scene.image.size)] {
+            let mut pixels = vec![[0.0; 4]; width as usize * height as usize];
+            paste_areas(&frame.pixels, &areas, width, &mut pixels);
+            frame.pixels = pixels;
+        }
+        Ok(frame)
+    }
+
+    /// Renders areas of a picture, one after the other. Their quads of 2 x 2 pixels must not overlap; with
+    /// `quality.msaa`, the areas must not touch either. `number` selects one sub-frame of `quality.supersampling`. The
+    /// pixels of the frame are those of the areas in order, each row by row, with the bits of the whole picture.
+    ///
+    /// # Errors
+    /// As [`render`].
+    ///
+    /// # Panics
+    /// If the number is not below `quality.supersampling`, or an area is empty or outside the picture.
+    pub fn render_areas(&mut self, scene: &Scene, areas: &[Area], number: Option<u32>) -> Result<Frame, RenderError> {
+        let (start, before) = (Instant::now(), own_processor_time());
+        let count = scene.quality.supersampling;
+        assert!(number.is_none_or(|number| number < count), "{number:?} of {count}");
+        let mut variant = self.variant(scene)?;
+        let (subject, stop) = (self.subject.clone(), self.stop.clone());
+        let wanted = |own: u32| number.is_none_or(|number| number == own);
+        let mut frame = loop {
+            let prepared = self.prepared(scene, &variant, Destination::Frame, &|_| ())?;
+            let frame = prepared.frame(scene, &subject, &variant, areas, wanted, &*stop);
+            match frame.map_err(|error| with_module_cause(error, &self.library, scene, &subject))? {
+                Some(frame) => break frame,
+                None => self.cut_short.push((variant.slots.clone(), scene.quality.samples)),
+            }
+            variant = variant.without_two_phase();
+        };
+        frame.measurements.total_ms = std::mem::take(&mut self.prepared_ms) + start.elapsed().as_secs_f64() * 1e3;
+        let taken = own_processor_time().zip(before).map(|(after, before)| after.saturating_sub(before));
+        frame.measurements.processor_ms = taken.map(|taken| taken.as_secs_f64() * 1e3);
+        frame.measurements.others = subject.all_others().cloned().collect();
+        Ok(frame)
+    }
+
+    /// Renders the depth of a picture: for each pixel, row by row from the top, the distance from the eye along the
+    /// axis of view (object units) at which a ray through its center reaches an opacity of 1/2; infinity where it does
+    /// not. Hard matter is located within the step, as in [`render`]; in soft matter the error is of the order of the
+    /// step. Scenes of slices are drawn by rays through the same samples. `quality.supersampling` and `quality.msaa`
+    /// are ignored, since a mean of depths has no meaning.
+    ///
+    /// # Errors
+    /// As [`render`] and [`check_depth`](crate::render::check_depth).
+    pub fn render_depth(&mut self, scene: &Scene) -> Result<Vec<f32>, RenderError> {
+        let (library, subject, stop) = (self.library.clone(), self.subject.clone(), self.stop.clone());
+        let scene = scene_by_rays(scene, &library)?;
+        let variant = self.variant(&scene)?;
+        let prepared = self.prepared(&scene, &variant, Destination::Frame, &|_| ())?;
+        prepared.depth(&library, &scene, &subject, &variant, &*stop)
+    }
+
+    /// Whether [`Renderer::record`] draws a scene at once in a format. Otherwise starts the preparation on a thread
+    /// that submits nothing: a host asks before each frame, and draws something else until then. One scene is prepared
+    /// at a time. Dropping the renderer waits for the thread.
+    ///
+    /// # Errors
+    /// As [`Renderer::record`].
+    pub fn is_recordable(&mut self, scene: &Scene, format: Format) -> Result<bool, RenderError> {
+        self.prepare_recording(scene, Destination::Host { format, has_depth: false })
+    }
+
+    /// Whether [`Renderer::record`] draws a scene and its depth ([`HostCommands::with_depth`]) at once in a format.
+    ///
+    /// # Errors
+    /// As [`Renderer::record`].
+    pub fn is_recordable_with_depth(&mut self, scene: &Scene, format: Format) -> Result<bool, RenderError> {
+        self.prepare_recording(scene, Destination::Host { format, has_depth: true })
+    }
+
+    /// Whether a scene can be recorded at once; starts the preparation otherwise.
+    fn prepare_recording(&mut self, scene: &Scene, destination: Destination) -> Result<bool, RenderError> {
+        let (scene, variant) = self.recorded(scene, scene.image.size)?;
+        let is_finished = self.preparing.as_ref().is_some_and(BackgroundPrepare::is_finished);
+        if let Some(preparing) = self.preparing.take_if(|_| is_finished) {
+            self.take(preparing, (&scene, &variant, destination))?;
+        }
+        if self.prepared.iter().any(|own| own.fits(&scene, &variant, destination)) {
+            return Ok(true);
+        }
+        if self.preparing.is_none() {
+            let made = self.prepared.iter().rev().find(|own| own.serves(&variant)).map(Prepared::share);
+            let frame = FrameContext::with_variant(&scene, &self.subject, variant);
+            let (gpu, library) = (self.gpu.clone(), self.library.clone());
+            self.preparing = Some(BackgroundPrepare::new(gpu, library, frame, destination, made.unwrap_or_default()));
+        }
+        Ok(false)
+    }
+
+    /// Records a picture of a scene over the content of a host's image: slices back to front, or rays. Size and format
+    /// of the image replace `image.size` and `quality.target`. Commands [with depth](HostCommands::with_depth) also
+    /// draw the depth of [`Renderer::render_depth`].
+    ///
+    /// The picture is that of [`render`]. The call submits nothing and waits for nothing on the device, with one
+    /// exception: the shadow volume of a scene with `light.shadows` is cast by submissions that are waited for, when
+    /// its time, light or matter has changed. The host's commands copy images. Empty cells are proven on a thread;
+    /// until then, pictures are drawn without.
+    ///
+    /// Scenes that differ only in camera, time, size and parameters share everything. Missing programs, images and
+    /// pipelines are prepared by the calling thread: ask [`Renderer::is_recordable`] first.
+    ///
+    /// # Errors
+    /// As [`render`]; or the scene has `quality.msaa` or `quality.supersampling` above 1, or half-angle slices; with
+    /// depth, as [`Renderer::render_depth`].
+    pub fn record(&mut self, commands: &mut HostCommands<'_>, scene: &Scene) -> Result<Recording, RenderError> {
+        let destination = Destination::Host { format: commands.format(), has_depth: commands.has_depth() };
+        let (scene, variant) = self.recorded(scene, commands.size())?;
+        if let Some(preparing) = self.preparing.take_if(|preparing| preparing.serves(&scene, &variant, destination)) {
+            self.take(preparing, (&scene, &variant, destination))?;
+        }
+        let subject = self.subject.clone();
+        let prepared = self.prepared(&scene, &variant, destination, &|_| ())?;
+        prepared.record(commands, &scene, &subject, &variant)
+    }
+
+    /// Whether the next recorded picture has cells, and the empty share of the latest.
+    #[cfg(test)]
+    pub(crate) fn recorded_cells(&self) -> (bool, f32) {
+        self.prepared.last().map_or((false, 0.0), |own| own.bound.recorded_cells())
+    }
+
+    /// The scene for a recorded image of a size, and its modules.
+    fn recorded(&self, scene: &Scene, size: [u32; 2]) -> Result<(Scene, Variant), RenderError> {
+        let mut scene = scene.clone();
+        scene.image.size = size;
+        scene.quality.order = Order::BackToFront;
+        if scene.quality.msaa > 1 {
+            return Err(RenderError::Recorded("quality.msaa = 1"));
+        }
+        if scene.is_half_angle() {
+            return Err(RenderError::Recorded("light.method = \"volume\""));
+        }
+        let mut variant = self.variant(&scene)?;
+        if !scene.may_find_first(&self.library) {
+            variant = variant.without_two_phase(); // two-phase artifacts would not be noticed here
+        }
+        Ok((scene, variant))
+    }
+
+    /// Caches the result of a preparation, waiting for it. An error matters only for the `wanted` scene.
+    fn take(
+        &mut self,
+        preparing: BackgroundPrepare,
+        wanted: (&Scene, &Variant, Destination),
+    ) -> Result<(), RenderError> {
+        let serves = preparing.serves(wanted.0, wanted.1, wanted.2);
+        match preparing.join() {
+            Ok(made) => {
+                self.prepared.push(made);
+                let more = self.prepared.len().saturating_sub(self.cache_size);
+                self.prepared.drain(..more);
+            }
+            Err(error) if serves => return Err(error),
+            Err(_) => {}
+        }
+        Ok(())
+    }
+
+    /// Modules of a scene: in one phase where the device has cut two-phase rays short.
+    fn variant(&self, scene: &Scene) -> Result<Variant, RenderError> {
+        let variant = Variant::of(scene, &self.library)?;
+        let is_cut =
+            self.cut_short.iter().any(|(slots, samples)| *slots == variant.slots && *samples <= scene.quality.samples);
+        Ok(if is_cut { variant.without_two_phase() } else { variant.for_device(self.gpu.info().cpu) })
+    }
+
+    /// Finds or prepares the cache entry of a scene.
+    fn prepared(
+        &mut self,
+        scene: &Scene,
+        variant: &Variant,
+        destination: Destination,
+        progress: Progress<'_>,
+    ) -> Result<&mut Prepared, RenderError> {
+        let mut prepared = match self.prepared.iter().rposition(|own| own.fits(scene, variant, destination)) {
+            Some(found) => self.prepared.remove(found),
+            None => {
+                let running = self.prepared.iter().rposition(|own| own.serves(variant));
+                // The oldest entry is evicted first, and its reusable parts are kept.
+                let oldest = (self.prepared.len() >= self.cache_size).then(|| self.prepared.remove(0));
+                let made = match (running, oldest) {
+                    (Some(0), Some(oldest)) => oldest.into_reusable(scene, variant),
+                    (Some(found), oldest) => self.prepared[found - usize::from(oldest.is_some())].share(),
+                    (None, _) => Reusable::default(),
+                };
+                let frame = FrameContext::with_variant(scene, &self.subject, variant.clone());
+                Prepared::new(&self.gpu, &self.library, &frame, destination, made, progress)?
+            }
+        };
+        prepared.resize(scene)?;
+        prepared.whole = self.whole.unwrap_or(scene.image.size);
+        self.prepared.push(prepared);
+        let last = self.prepared.len() - 1;
+        Ok(&mut self.prepared[last])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::submission_budget::SubmissionBudget;
+    use super::*;
+    use crate::gpu::Options;
+    use crate::scene::{Pass, Proxy};
+    use crate::shader;
+    use support::alone::Alone;
+
+    #[test]
+    #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+    fn where_slices_are_cut_into_submissions_changes_no_bit() {
+        let _alone = Alone::enter();
+        let gpu = Gpu::new(&Options { validation: true, ..Options::from_env() }).unwrap();
+        let mut scene = Scene::default();
+        scene.object.input = "sphere".into();
+        (scene.effect.classify, scene.effect.softness) = ("soft".into(), "quadratic".into());
+        (scene.effect.opacity, scene.effect.surface) = ("beer".into(), "unlit".into());
+        scene.effect.opacity_rate = 3.0; // light passes through all of it
+        (scene.object.inner_iso, scene.object.outer_iso) = (-0.5, 0.25);
+        (scene.camera.azimuth, scene.camera.elevation) = (0.0, 0.0); // slices are squares
+        (scene.quality.pass, scene.quality.samples, scene.quality.early_termination) = (Pass::Slices, 1024, 0.0);
+        scene.image.size = [24, 24];
+        let subject = Subject::load(&scene, &shader::shipped(), &|_| ()).unwrap();
+        let mut renderer = Renderer::new(&gpu, &shader::shipped(), &subject);
+        for proxy in [Proxy::Polygons, Proxy::Quads] {
+            scene.quality.proxy = proxy;
+            let mut cut = |slices: f64| {
+                renderer.prepare(&scene, &|_| ()).unwrap();
+                *renderer.prepared[0].budget() = SubmissionBudget::fixed(slices * 24.0 * 24.0);
+                renderer.render(&scene).unwrap().pixels
+            };
+            let whole = cut(1024.0);
+            for slices in [1.0, 7.0, 256.0, 341.0, 342.0, 512.0, 683.0] {
+                assert!(cut(slices) == whole, "{slices} {proxy:?} in a submission");
+            }
+        }
+        assert!(gpu.messages().take().is_empty());
+    }
+}

@@ -1,0 +1,18 @@
+//! Inputs of a program: uniforms, images and samplers.
+
+mod bricks;
+mod cpu_inputs;
+mod encoded;
+mod images;
+mod noise_blocks;
+mod object_inputs;
+mod table;
+mod uniforms;
+
+pub use bricks::Sparse;
+pub use cpu_inputs::{Blocks, CpuInputs};
+pub(crate) use cpu_inputs::{texture, wrap};
+pub use encoded::ImageInfo;
+pub(crate) use encoded::{Encoded, Filter};
+pub(crate) use images::{BEFORE, BEHIND, CELLS, Inputs, SHADOW, StoredObjects, image_key};
+pub(crate) use uniforms::{TIME, Values, blocks};

@@ -1,0 +1,8 @@
+//! Loaded objects of a scene.
+
+mod load;
+mod request;
+
+pub use load::Subject;
+pub(crate) use request::{Recipe, opened};
+pub use request::{SubjectRequest, field_margin, open, request};

@@ -1,0 +1,23 @@
+//! Errors of linking the program of a scene.
+
+use super::reflect::ReflectError;
+use crate::scene::SceneError;
+use crate::shader::{LibraryError, LinkError};
+
+/// Error of linking the program of a scene.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum VariantError {
+    /// The scene is not valid.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A module is missing.
+    #[error(transparent)]
+    Library(#[from] LibraryError),
+    /// The program cannot be linked.
+    #[error(transparent)]
+    Link(#[from] LinkError),
+    /// The linked program cannot be reflected.
+    #[error(transparent)]
+    Reflect(#[from] ReflectError),
+}
