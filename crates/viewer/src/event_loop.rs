@@ -1,4 +1,4 @@
-//! The window itself: what the window system says, and when a frame is drawn.
+//! The event loop: window events, and the time of the next frame.
 
 use super::ViewError;
 use super::app::{App, Start};
@@ -20,18 +20,18 @@ use winit::event::{StartCause, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
 use winit::window::{Fullscreen, Window, WindowId};
 
-/// While a script runs, the next frame comes after this: it waits for no person.
+/// Interval between frames while a script runs.
 const SCRIPT_PACE: Duration = Duration::from_millis(16);
 
-/// A window of which nothing is seen is looked at this often: not every window manager says when it is back.
+/// Interval between frames of a hidden window: some window managers do not report when it is visible again.
 const HIDDEN_PACE: Duration = Duration::from_millis(250);
-/// Bits of a pixel that every driver draws.
+/// Color depths that every driver supports.
 const DEPTHS: [u8; 2] = [24, 32];
 
-/// The exit code after a second signal: as shells have it for Ctrl-C.
+/// Exit code after a second signal, as in shells after Ctrl-C.
 const INTERRUPTED: i32 = 130;
 
-/// Something came from another thread.
+/// Wakes the event loop from another thread.
 struct Wake;
 
 /// Shows a window until it is closed.
@@ -59,11 +59,11 @@ pub fn run(start: Start) -> Result<(), ViewError> {
         ViewError::NoDisplay(text.rsplit(": ").next().unwrap_or(&text).replace('\n', " "))
     })?;
     let proxy = event_loop.create_proxy();
-    // A loop that has ended needs no waking.
+    // The event loop may have ended.
     let notify: Notify = Arc::new(move || drop(proxy.send_event(Wake)));
     let interrupted = Arc::new(AtomicBool::new(false));
     let (told, wake) = (interrupted.clone(), notify.clone());
-    // What is not saved is kept; the second signal ends the program at once.
+    // The first signal stores unsaved work and exits; the second one exits at once.
     let handled = ctrlc::set_handler(move || match told.swap(true, Ordering::Relaxed) {
         true => std::process::exit(INTERRUPTED),
         false => wake(),
@@ -123,9 +123,9 @@ struct EventHandler {
     script: Option<Script>,
     state: Option<WindowState>,
     outcome: Result<(), ViewError>,
-    /// What the validation layer says, of every device that was opened.
+    /// Validation messages of every device that was opened.
     messages: Vec<Messages>,
-    /// Whether a lost device has been replaced: once is an accident.
+    /// Whether a lost device was replaced, which happens once.
     reopened: bool,
     display: Arc<Display>,
     latest: Latest,
@@ -134,27 +134,27 @@ struct EventHandler {
     minimized: bool,
     /// Whether other windows cover it.
     occluded: bool,
-    /// Whether nothing of it is seen, and how many frames were.
+    /// Whether the window is hidden, and the number of frames shown.
     hidden: bool,
     shown: u64,
-    /// Whether the first picture is yet to come.
+    /// Whether no picture has been shown yet.
     waiting: bool,
-    /// Whether a signal has asked the program to end.
+    /// Whether a signal has asked the program to exit.
     interrupted: Arc<AtomicBool>,
-    /// Since when it ends.
+    /// Start of the exit.
     ending: Option<Instant>,
 }
 
-/// What there is while there is a window.
+/// State that exists as long as the window.
 struct WindowState {
-    // The canvas before the window: its surface is one of it.
+    // Declared before the window, so that the surface is dropped first.
     canvas: Canvas,
     context: Context,
     fonts: Fallback,
     input: egui_winit::State,
     window: Arc<Window>,
     widgets: Vec<Widget>,
-    /// Changes of textures that the window was not drawn with.
+    /// Texture changes since the window was last drawn.
     textures: TexturesDelta,
     full_screen: bool,
     title: String,
@@ -215,7 +215,7 @@ impl ApplicationHandler<Wake> for EventHandler {
         match &event {
             WindowEvent::CloseRequested => {
                 self.app.ask_to_quit();
-                // A question is to be seen.
+                // A minimized window would hide the question.
                 state.window.set_minimized(false);
                 return self.request_frame();
             }
@@ -235,13 +235,13 @@ impl ApplicationHandler<Wake> for EventHandler {
     }
 
     fn exiting(&mut self, _: &ActiveEventLoop) {
-        // The connection to the display ends with the loop, and what is drawn into needs it until it is gone.
+        // The display connection ends with the event loop, and the surface must be dropped before.
         drop(self.close());
     }
 
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
         if self.app.quit || self.interrupted.load(Ordering::Relaxed) {
-            // Nobody looks on while a program that is being compiled is waited for.
+            // The exit may wait for a running compilation.
             self.state.iter().for_each(|state| state.window.set_visible(false));
             self.ending.get_or_insert_with(Instant::now);
             event_loop.exit();
@@ -267,7 +267,7 @@ impl EventHandler {
         Ok(())
     }
 
-    /// Lets go of everything that is on the device; gives the window.
+    /// Drops everything on the device and returns the window.
     fn close(&mut self) -> Option<Arc<Window>> {
         self.app.leave_device();
         self.state.take().map(|state| state.window)
@@ -287,7 +287,7 @@ impl EventHandler {
         }
     }
 
-    /// Opens a device in place of one that is lost, once.
+    /// Replaces a lost device, once.
     fn reopen_device(&mut self, lost: Result<(), ViewError>) -> Result<(), ViewError> {
         if std::mem::replace(&mut self.reopened, true) {
             return lost;
@@ -343,7 +343,7 @@ impl EventHandler {
             state.widgets = widgets(update);
         }
         state.input.handle_platform_output(&state.window, output.platform_output);
-        // egui tells of a change once, also where the window waits for a preview.
+        // egui reports a texture change once, even if the window is not drawn in this frame.
         state.textures.append(output.textures_delta);
         let held = self.app.hold(Instant::now());
         let mut shown = Presented::Yes;
@@ -377,7 +377,7 @@ impl EventHandler {
         let delay = match (&self.script, shown) {
             (Some(script), _) => wanted.min(script.pace().unwrap_or(SCRIPT_PACE)),
             (None, Presented::Later) => Duration::ZERO,
-            // Nothing is seen; what goes on beside the window is looked after.
+            // Background work goes on while the window is hidden.
             (None, Presented::Hidden) => HIDDEN_PACE,
             (None, Presented::Yes) => wanted,
         };
@@ -393,7 +393,7 @@ impl EventHandler {
     }
 }
 
-/// Does what a script asks for; whether the window is minimized.
+/// Performs a script event; returns whether the window is minimized.
 fn perform(event: ScriptEvent, state: &mut WindowState, app: &mut App, minimized: bool) -> Result<bool, ViewError> {
     match event {
         ScriptEvent::Events(events) => state.input.egui_input_mut().events.extend(events),

@@ -1,4 +1,4 @@
-//! The live window.
+//! The window.
 //!
 //! Role: [`run`] shows a scene that the mouse turns and the panels change, and the modules of its effect while they are
 //! edited. A thread of its own renders pictures, through [`hypertexture::render`] as everywhere; the window shows the newest one

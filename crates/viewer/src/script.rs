@@ -1,4 +1,4 @@
-//! What a person would do in the window, written down: for tests, and for pictures of the window.
+//! Scripts of user input, for tests and screenshots.
 //!
 //! A script is a text with one step in each line; `#` begins a comment. Each step ends before the next begins:
 //! ```text
@@ -41,33 +41,33 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use support::open;
 
-/// The longest script that is read, in bytes.
+/// Size limit of a script, bytes.
 const MAX_BYTES: u64 = 1 << 20;
-/// A step that takes longer has failed.
+/// Timeout of a step.
 const PATIENCE: Duration = Duration::from_secs(600);
-/// The last picture of an orbit is waited for as long.
+/// Timeout for the last picture of an orbit.
 const LAST_ANSWER: Duration = Duration::from_secs(20);
-/// While a picture is waited for, it is looked for this often.
+/// Interval between frames while a step waits for a picture.
 const WAITING: Duration = Duration::from_millis(50);
-/// Places on the way of a drag.
+/// Number of moves of a drag.
 const DRAG_STEPS: u32 = 8;
 
-/// What the window system does in a step.
+/// An input of the window system.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum ScriptEvent {
-    /// These events come before the next frame.
+    /// Events for the next frame.
     Events(Vec<Event>),
-    /// A file is dropped.
+    /// A dropped file.
     Drop(PathBuf),
-    /// The window has this size, points.
+    /// A size of the window, points.
     Size([u32; 2]),
-    /// The window has no pixel, or has its pixels again.
+    /// Minimizes or restores the window.
     Minimize(bool),
-    /// A picture is written.
+    /// Writes a picture.
     Shot(PathBuf),
-    /// The device is lost.
+    /// Simulates a lost device.
     Lose,
-    /// The window is closed.
+    /// Closes the window.
     Quit,
 }
 
@@ -94,15 +94,15 @@ enum Step {
     Do(ScriptEvent),
 }
 
-/// The steps that are left.
+/// A running script.
 pub(super) struct Script {
     file: String,
     steps: VecDeque<(usize, Step)>,
-    /// Events of the step before, for the next frames.
+    /// Remaining events of the last step.
     events: VecDeque<Vec<Event>>,
     began: Instant,
     frames: u32,
-    /// What is measured of an orbit, and the moves that were made.
+    /// Latency of the running orbit, and its number of moves.
     orbit: Option<(InputLatency, u32)>,
 }
 
@@ -123,7 +123,7 @@ impl Script {
         Ok(Script::new(name, steps))
     }
 
-    /// Draws so many frames after the first picture, or waits for the converged one; writes a picture, and ends.
+    /// The script of `--frames` and `--screenshot`.
     pub(super) fn of_frames(frames: Option<u32>, shot: Option<PathBuf>) -> Script {
         let wait = frames.map_or(vec![Step::Converged], |frames| vec![Step::Picture, Step::Frames(frames)]);
         let shot = shot.map(|path| Step::Do(ScriptEvent::Shot(path)));
@@ -135,7 +135,7 @@ impl Script {
         Script { file, steps, events: VecDeque::new(), began: Instant::now(), frames: 0, orbit: None }
     }
 
-    /// What happens before the next frame.
+    /// The input before the next frame.
     pub(super) fn next(&mut self, app: &mut App, tree: &[Widget]) -> Result<Option<ScriptEvent>, ViewError> {
         if let Some(events) = self.events.pop_front() {
             return Ok(Some(ScriptEvent::Events(events)));
@@ -161,7 +161,7 @@ impl Script {
             Step::Frames(count) => self.frames > *count,
             Step::Good => self.frames > 1 && *app.author().state() == State::Good,
             Step::Bad => matches!(app.author().state(), State::Bad(_)),
-            // A key is pressed whatever is under way.
+            // Keys do not wait for tasks.
             Step::Do(ScriptEvent::Events(_)) => true,
             _ => steady,
         };
@@ -218,7 +218,7 @@ impl Script {
         (self.began, self.frames) = (Instant::now(), 0);
     }
 
-    /// The moves of an orbit that are due; where the window was slow, several.
+    /// The due moves of an orbit; several if the window is slow.
     fn orbit(&mut self, app: &App, moves: u32, seconds: f32) -> Option<Vec<Event>> {
         let (now, place) = (Instant::now(), app.place);
         let at = |step: u32| {
@@ -239,7 +239,7 @@ impl Script {
         }
         let late = now.duration_since(due(moves).min(now));
         if *done == moves && events.is_empty() && (latency.is_complete() || late > LAST_ANSWER) {
-            // Nobody reads what a script says: it is no reason to end.
+            // Standard output may be closed.
             let name = app.model.preset().unwrap_or("scene");
             let _ = writeln!(io::stdout(), "{name}: {latency}");
             events.push(button(at(moves), PointerButton::Primary, false));
@@ -249,23 +249,23 @@ impl Script {
         Some(events)
     }
 
-    /// How long nothing is done, while that is known: the hand of an orbit moves by a clock.
+    /// Time until the next input, if known.
     pub(super) fn pace(&self) -> Option<Duration> {
         match (&self.steps.front()?.1, &self.orbit) {
             (Step::Orbit(moves, seconds), Some((_, done))) if done < moves => {
                 let due = self.began + Duration::from_secs_f32(seconds * *done as f32 / (*moves).max(1) as f32);
                 Some(due.saturating_duration_since(Instant::now()))
             }
-            // What is waited for asks for a frame when it comes: the device has better things to draw until then.
+            // The device is busy with the awaited picture, whose arrival wakes the window.
             (Step::Picture | Step::Converged | Step::Drawn | Step::Validity | Step::Inspected, _) => Some(WAITING),
             _ => None,
         }
     }
 
-    /// A frame is over; the window `was_drawn`, or it waits for a preview.
+    /// Records the end of a frame; `was_drawn` is false if it waits for a preview.
     pub(super) fn drawn(&mut self, app: &App, was_drawn: bool) {
         if let Some((latency, _)) = &mut self.orbit {
-            // What moves a scene whose object is not there yet is in the first job of it.
+            // Moves before the object is loaded belong to its first job.
             if !app.jobs.lacks_object {
                 latency.submitted(app.jobs.number);
             }
@@ -276,19 +276,19 @@ impl Script {
     }
 }
 
-/// Something that can be used.
+/// A node of the accessibility tree.
 #[derive(Clone, Debug)]
 pub(super) struct Widget {
     id: NodeId,
     node: Node,
 }
 
-/// What egui tells a screen reader.
+/// The nodes of the accessibility tree.
 pub(super) fn widgets(update: &accesskit::TreeUpdate) -> Vec<Widget> {
     update.nodes.iter().map(|(id, node)| Widget { id: *id, node: node.clone() }).collect()
 }
 
-/// The last of that name that this can be done with: what lies over the rest comes last.
+/// The last node of a name that supports an action: overlays come last.
 fn find<'a>(tree: &'a [Widget], name: &str, action: Action) -> Result<&'a Widget, String> {
     let named = |widget: &&Widget| widget.node.label().or(widget.node.value()) == Some(name);
     tree.iter().rfind(|widget| widget.node.supports_action(action) && named(widget)).ok_or_else(|| {
@@ -298,7 +298,7 @@ fn find<'a>(tree: &'a [Widget], name: &str, action: Action) -> Result<&'a Widget
     })
 }
 
-/// What a screen reader asks of a control.
+/// An accessibility action on a control.
 fn request(widget: &Widget, action: Action, data: Option<ActionData>) -> ScriptEvent {
     let request = ActionRequest { action, target_node: widget.id, target_tree: TreeId::ROOT, data };
     ScriptEvent::Events(vec![Event::AccessKitActionRequest(request)])

@@ -1,4 +1,4 @@
-//! What is asked of the window: by keys, by the panels, by a file that is dropped.
+//! Actions of keys, panels and dropped files.
 
 use super::state::App;
 use crate::keys::Action;
@@ -12,9 +12,9 @@ use measure::statistics::rounded_up;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// A way to draw is looked for once the scene has not changed for so long.
+/// Time without a change of the scene before the search for the fastest settings starts.
 const CALM: Duration = Duration::from_millis(500);
-/// Frames of a recording: four seconds.
+/// Number of frames of a turntable: four seconds.
 const TURN: u32 = 100;
 
 impl App {
@@ -118,7 +118,7 @@ impl App {
         }
     }
 
-    /// Ends the window; where something would be lost with it, it asks.
+    /// Closes the window, after a question if there is unsaved work.
     pub(crate) fn ask_to_quit(&mut self) {
         match self.panels.at_stake(&self.model) {
             Some(_) => self.panels.ask(Question::Quit),
@@ -126,7 +126,7 @@ impl App {
         }
     }
 
-    /// The preset before or after the one whose effect is shown.
+    /// Takes the preset `by` places after the current one.
     fn step(&mut self, by: isize) {
         let names: Vec<&str> = scene::names().collect();
         let here = self.model.preset().and_then(|own| names.iter().position(|name| *name == own));
@@ -137,14 +137,14 @@ impl App {
         self.note(format!("{}: {}", names[next as usize], self.model.scene().about));
     }
 
-    /// Ends a recording, or the search for a way to draw.
+    /// Stops a turntable or a search.
     pub(super) fn stop(&self) {
         if let Some(worker) = &self.worker {
             worker.stop();
         }
     }
 
-    /// Shows a mesh, a scan or a scene file; a module is edited, and followed when another program writes it.
+    /// Opens a mesh, a scan or a scene file as the scene, or a module in the editor.
     pub(crate) fn open(&mut self, path: &Path) {
         self.loader.retry();
         if path.extension().is_some_and(|end| end == "glsl") {
@@ -176,12 +176,12 @@ impl App {
         self.task(|variant| Task::Write { variant, path, frames, edited });
     }
 
-    /// Looks for the fastest settings for the scene within the error that was asked for, once the mouse is let go.
+    /// Starts the search for the fastest settings within the error target, once the mouse is released.
     pub(super) fn pick(&mut self, ui: &Ui, now: Instant) {
         let Some(error) = self.tasks.pick else { return };
         let rests = self.time.clock.is_some() || now.duration_since(self.jobs.changed) >= CALM;
         let is_free = !ui.input(|input| input.pointer.any_down()) && self.loader.progress().is_none();
-        // A picture comes first, if only a coarse one: the search keeps the device busy.
+        // A preview comes first: the search occupies the device.
         if !(rests && is_free && self.is_current() && self.tasks.running == 0) {
             return ui.ctx().request_repaint_after(CALM);
         }
@@ -196,7 +196,7 @@ impl App {
         }
     }
 
-    /// Draws the scene in the way that was picked for it.
+    /// Applies the settings that were found.
     pub(super) fn take(&mut self, pick: &Pick) {
         let content = |scene: &Scene| Scene { camera: Camera::default(), ..scene.clone() };
         if self.tasks.picked_for.take().map(|scene| content(&scene)) != Some(content(self.model.scene())) {
@@ -230,7 +230,7 @@ impl App {
     }
 }
 
-/// The first name that no file has: `stem`, a number and `end`.
+/// The first unused file name of the form `stem`, number, `end`.
 fn free_name(stem: &str, end: &str) -> PathBuf {
     let name = |number: u32| PathBuf::from(format!("{stem}_{number:03}{end}"));
     let taken = |path: &Path| {

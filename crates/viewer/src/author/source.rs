@@ -1,4 +1,4 @@
-//! The text of a module that is being edited, here or in a file, and what became of it.
+//! The text of the edited module, here or in a watched file, and its check.
 
 use super::gate::Gate;
 use super::trial;
@@ -14,59 +14,60 @@ use std::task::Poll;
 use std::time::{Duration, Instant, SystemTime};
 use support::{open, write_whole};
 
-/// How often a file is looked at. Editors replace files, so that its time and length say more than its node.
+/// Interval between looks at a watched file. Editors replace files: time and length identify a version better than
+/// the inode.
 pub const WATCH: Duration = Duration::from_millis(250);
-/// How long a text must rest before it is compiled: less, and every letter starts a process.
+/// Rest of a text before it is compiled. Lower: a process for each letter.
 const REST: Duration = Duration::from_millis(120);
-/// How often a compiler at work is asked for its answer.
+/// Interval between polls of a running check.
 const ANSWER: Duration = Duration::from_millis(30);
-/// A file that was not there when it was looked at so often is gone; once, an editor may be replacing it.
+/// Number of failed looks after which a file is gone; a single one may fall between the two steps of a replacement.
 const GONE: u32 = 2;
-/// The longest file that is read, in bytes.
+/// Size limit of a module file, bytes.
 pub(crate) const MAX_FILE: u64 = 1 << 20;
 
-/// A module that is being edited.
+/// The edited module.
 pub struct Author {
     slot: String,
     name: String,
-    /// The text, as the editor shows it.
+    /// The text in the editor.
     pub text: String,
-    /// Texts that were left before they were good, by path.
+    /// Unfinished texts of other modules, by path.
     drafts: BTreeMap<String, String>,
     file: Option<Watched>,
     tried: Option<String>,
     changed: Instant,
     state: State,
-    /// Whether the module is put into the scene once its text is good.
+    /// Whether the module goes into the scene once its text passes.
     is_wanted: bool,
     gate: Arc<Gate>,
     /// The check of the text that was submitted last; dropping it cancels it.
     check: Option<Background<Result<(), CompileError>>>,
 }
 
-/// What became of the text.
+/// Result of the check of the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum State {
-    /// It is what the picture shows, or would if the scene used it.
+    /// The text passed.
     Good,
-    /// It waits for the compiler.
+    /// The text is being checked.
     Compiling,
-    /// It is refused; the picture shows the last good one.
+    /// The text was refused; the picture shows the last good one.
     Bad(Vec<Fault>),
 }
 
-/// A file that somebody edits elsewhere.
+/// A file that may be edited by another program.
 struct Watched {
     path: PathBuf,
-    /// Whether the module is no other text of one that ships.
+    /// Whether the module is not a variation of a shipped one.
     is_own: bool,
     seen: Option<(SystemTime, u64)>,
     looked: Instant,
-    /// How often in a row it was not there.
+    /// Number of consecutive looks without a file.
     missed: u32,
-    /// The text that it had when it was read or written here.
+    /// The text of the file when it was last read or written.
     text: String,
-    /// What another program has written since, while there is something else here that no file holds.
+    /// Text from another program that conflicts with unsaved changes here.
     other: Option<String>,
 }
 
@@ -93,37 +94,36 @@ impl Author {
         })
     }
 
-    /// What decides which programs may be drawn.
+    /// The gate that admits programs.
     pub fn gate(&self) -> &Arc<Gate> {
         &self.gate
     }
 
-    /// Slot and name of the module.
     pub fn module(&self) -> (&str, &str) {
         (&self.slot, &self.name)
     }
 
-    /// Path of the module in the library.
     pub fn path(&self) -> String {
         format!("{}/{}.glsl", self.slot, self.name)
     }
 
-    /// The file that is watched.
+    /// The watched file.
     pub fn file(&self) -> Option<&Path> {
         self.file.as_ref().map(|file| file.path.as_path())
     }
 
-    /// Whether another program has written to the file while the text was edited here: one of the two is to be taken.
+    /// Whether the file and the text have both changed, so that one must be chosen.
     pub fn is_contested(&self) -> bool {
         self.file.as_ref().is_some_and(|file| file.other.is_some())
     }
 
-    /// Whether the file is no longer there.
+    /// Whether the file was deleted.
     pub fn is_gone(&self) -> bool {
         self.file.as_ref().is_some_and(|file| file.missed >= GONE)
     }
 
-    /// Takes the text of the file, or stays with the one here; what the file holds is gone once that is saved.
+    /// Resolves a conflict: takes the text of the file, or keeps this one, which overwrites the file when it is
+    /// saved.
     pub fn settle(&mut self, by_file: bool) {
         let Some(file) = &mut self.file else { return };
         if let Some(other) = file.other.take() {
@@ -135,7 +135,7 @@ impl Author {
         }
     }
 
-    /// What is wrong with a file that is followed, one line.
+    /// The problem with the watched file, one line.
     pub fn complaint(&self) -> Option<String> {
         let file = self.file.as_ref()?.path.display();
         match &self.state {
@@ -153,17 +153,17 @@ impl Author {
         }
     }
 
-    /// What became of the text.
+    /// Result of the check of the text.
     pub fn state(&self) -> &State {
         &self.state
     }
 
-    /// Texts that were left before they were good, by the paths of their modules.
+    /// Unfinished texts of other modules, by path.
     pub fn drafts(&self) -> impl Iterator<Item = (&str, &str)> {
         self.drafts.iter().map(|(path, text)| (path.as_str(), text.as_str()))
     }
 
-    /// Edits another module of the library. A text that is not good yet waits until its module is opened again.
+    /// Edits another module of the library. An unfinished text becomes a draft.
     pub fn open(&mut self, library: &Library, slot: &str, name: &str) {
         self.leave(library);
         (self.slot, self.name, self.file) = (slot.into(), name.into(), None);
@@ -174,14 +174,14 @@ impl Author {
         self.check = None;
     }
 
-    /// Keeps a text that the library does not have.
+    /// Stores the text as a draft if the library does not have it.
     fn leave(&mut self, library: &Library) {
         if library.source(&self.path()) != Some(self.text.as_str()) {
             self.drafts.insert(self.path(), self.text.clone());
         }
     }
 
-    /// Makes a new module of this text: its function gets the new name.
+    /// Creates a module from this text and renames its function.
     ///
     /// # Errors
     /// The name is none that GLSL and scene files bear, or there is such a module.
@@ -200,8 +200,8 @@ impl Author {
         Ok(())
     }
 
-    /// Edits a file, and follows it when another program writes it. The name of its folder is the slot, if it is one,
-    /// else it is a DMF; the name of the file is that of the module.
+    /// Edits a file and watches it for changes by other programs. The folder names the slot, or the slot is `dmf`;
+    /// the file names the module.
     ///
     /// # Errors
     /// The file cannot be read, or its name is none of a module.
@@ -215,7 +215,7 @@ impl Author {
         self.follow(library, slot, name, path)
     }
 
-    /// Edits and follows the file of a module that is in a slot whatever the folder is called.
+    /// Edits and watches the file of a module in a given slot.
     ///
     /// # Errors
     /// The file cannot be read.
@@ -235,7 +235,7 @@ impl Author {
         Watched { path: path.into(), is_own, seen, looked: Instant::now(), missed: 0, text, other: None }
     }
 
-    /// Writes the text to a file, and follows that file.
+    /// Writes the text to a file, and watches the file.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -246,14 +246,14 @@ impl Author {
         Ok(())
     }
 
-    /// Takes the text that ships, if the module does.
+    /// Restores the shipped text, if there is one.
     pub fn reset(&mut self) {
         if let Some(text) = shader::shipped().source(&self.path()) {
             self.text = text.into();
         }
     }
 
-    /// Puts the module into the scene; while its text is being compiled, once that is good.
+    /// Puts the module into the scene; if its check is running, once it has passed.
     pub fn use_in(&mut self, model: &mut Model) -> bool {
         self.is_wanted = self.state == State::Compiling;
         if self.is_wanted {
@@ -267,8 +267,8 @@ impl Author {
         good
     }
 
-    /// Looks at the file, sends a new text to the compiler, and takes its answer: a good text becomes part of the model's
-    /// library. To be called once for each frame, and again after [`Author::wakes`]; whether the model has changed.
+    /// Looks at the file, submits a new text and receives the result: a text that passes becomes part of the model's
+    /// library. Called once per frame, and again after [`Author::wakes`]. Returns whether the model has changed.
     pub fn poll(&mut self, model: &mut Model) -> bool {
         self.look();
         self.is_wanted &= self.state == State::Compiling;
@@ -308,12 +308,12 @@ impl Author {
         }
     }
 
-    /// Whether the compiler has not been given the text.
+    /// Whether the text was not submitted.
     fn is_untried(&self) -> bool {
         self.tried.as_deref() != Some(self.text.as_str())
     }
 
-    /// When there may be something new though nobody moves: an answer of the compiler, or another text in the file.
+    /// Time until the next poll that is needed without user input.
     pub fn wakes(&self) -> Option<Duration> {
         match self.state {
             State::Compiling => Some(ANSWER),
@@ -321,7 +321,7 @@ impl Author {
         }
     }
 
-    /// Says that the text was edited.
+    /// Notes that the text was edited.
     pub fn touch(&mut self) {
         self.changed = Instant::now();
     }
@@ -379,14 +379,14 @@ impl Author {
     }
 }
 
-/// Whether GLSL, scene files and the command line bear this name of a module.
+/// Whether this is a module name that GLSL, scene files and the command line accept.
 fn is_identifier(name: &str) -> bool {
     name.starts_with(|c: char| c.is_ascii_lowercase())
         && name.len() <= 64
         && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
 }
 
-/// The text with one word in place of another.
+/// Replaces one identifier by another.
 fn renamed(text: &str, from: &str, to: &str) -> String {
     let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let mut new = String::new();
@@ -401,7 +401,7 @@ fn renamed(text: &str, from: &str, to: &str) -> String {
     new
 }
 
-/// Time and length of a file.
+/// Modification time and length of a file.
 fn stamp(path: &Path) -> Option<(SystemTime, u64)> {
     let info = fs::metadata(path).ok()?;
     Some((info.modified().ok()?, info.len()))

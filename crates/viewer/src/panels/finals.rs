@@ -10,17 +10,17 @@ use std::path::PathBuf;
 use std::sync::LazyLock;
 use std::time::Duration;
 
-/// How often it is looked at how far a rendering is.
+/// Interval between polls of the process.
 const LOOK: Duration = Duration::from_millis(300);
-/// Sizes that are often wanted.
+/// Common sizes.
 const SIZES: [[u32; 2]; 2] = [[1920, 1080], [3840, 2160]];
-/// The error that is asked for at first: a quarter of a step of 8 bits in the mid tones.
+/// Initial error target: a quarter of a step of 8 bits in the mid tones.
 const FIRST_ERROR: f64 = 1e-3;
 
-/// Whether a video can be made.
+/// Whether ffmpeg is installed.
 static FFMPEG: LazyLock<bool> = LazyLock::new(|| is_installed("ffmpeg"));
 
-/// What becomes of a scene, by its kind.
+/// Kind of the output.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     Picture,
@@ -28,23 +28,22 @@ enum Kind {
     Video,
 }
 
-/// What the dialog remembers.
+/// State of the dialog.
 pub(super) struct Finals {
-    /// Executable of hypertexture.
     program: PathBuf,
     pub(super) is_open: bool,
     kind: Kind,
     path: String,
-    /// None: that of the scene.
+    /// `None`: the size of the scene.
     size: Option<[u32; 2]>,
-    /// None: those of the scene.
+    /// `None`: the samples of the scene.
     samples: Option<u32>,
     supersampling: u32,
     max_error: Option<f64>,
     motion: Motion,
     running: Option<Rendering>,
     outcome: Option<Message>,
-    /// What this dialog has written.
+    /// Files that this dialog wrote.
     own: Vec<PathBuf>,
 }
 
@@ -67,12 +66,12 @@ impl Finals {
         }
     }
 
-    /// What came of the last rendering.
+    /// Result of the last order.
     pub(super) fn outcome(&self) -> Option<&Message> {
         self.outcome.as_ref()
     }
 
-    /// How far a rendering is, in words.
+    /// Progress of the order, in words.
     pub(super) fn progress(&self) -> Option<String> {
         let running = self.running.as_ref()?;
         let (kind, seconds) = (format!("{:?}", self.kind).to_lowercase(), running.seconds());
@@ -82,7 +81,7 @@ impl Finals {
         })
     }
 
-    /// The order that the dialog describes.
+    /// The order as described in the dialog.
     fn order(&self, model: &Model) -> Order {
         let mut scene = model.scene().clone();
         scene.image.size = self.size.unwrap_or(scene.image.size);
@@ -99,7 +98,7 @@ impl Finals {
         Order { scene, product, max_error: self.max_error, path: PathBuf::from(self.path.trim()) }
     }
 
-    /// Shows the dialog where it is open, and looks after what is rendered.
+    /// Shows the dialog if it is open, and polls the process.
     pub(super) fn show(&mut self, ui: &Ui, model: &Model, status: &Status) {
         if let Some(running) = &mut self.running {
             match running.poll() {
@@ -140,7 +139,7 @@ impl Finals {
         self.buttons(ui, model, order);
     }
 
-    /// What is made, and the file.
+    /// Kind and path of the output.
     fn kinds(&mut self, ui: &mut Ui) {
         ui.horizontal_wrapped(|ui| {
             for (kind, text, name, end) in [
@@ -189,7 +188,7 @@ impl Finals {
         });
     }
 
-    /// Samples, or the error that decides.
+    /// Samples, or an error target.
     fn accuracy(&mut self, ui: &mut Ui, model: &Model) {
         let target = Field {
             text: Some("Error target"),

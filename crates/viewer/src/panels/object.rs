@@ -7,7 +7,7 @@ use egui::Ui;
 use hypertexture::scene::schema::SETTINGS;
 use hypertexture::shape::BUILT_IN;
 
-/// Which object is edited, and how the objects make one.
+/// The list of objects, and the formula that combines them.
 pub(super) fn list(ui: &mut Ui, pass: &mut Pass<'_>, selected: &mut Option<String>) {
     ui.horizontal_wrapped(|ui| {
         let names = [None].into_iter().chain(pass.model.scene().parts.keys().cloned().map(Some));
@@ -38,7 +38,7 @@ pub(super) fn list(ui: &mut Ui, pass: &mut Pass<'_>, selected: &mut Option<Strin
     }
 }
 
-/// One object: where it comes from and where it is soft. Only the whole scene is stretched.
+/// Input and soft region of one object. Only the main object has a stretch.
 pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
     built_in(ui, pass, part);
     let own = SETTINGS.iter().filter(|setting| setting.table() == "object");
@@ -47,7 +47,7 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
     }
 }
 
-/// The objects that there are without a file, and those of a file.
+/// The list of built-in objects.
 fn built_in(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
     let object = part.and_then(|part| pass.draft.parts.get(part)).map_or(&pass.draft.object, |part| &part.object);
     let name = format!("{}object.input", prefix(part));
@@ -62,7 +62,7 @@ fn built_in(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
     choice(ui, &mut touch, &row, &mut now, &options);
     if touch.is_some() {
         match part {
-            // What is aligned with the scene's own object goes with it.
+            // Also realigns the inputs that are aligned with the main object.
             None => pass.draft.bring(&now),
             Some(part) => drop(pass.draft.parts.get_mut(part).map(|part| part.object.input.clone_from(&now))),
         }

@@ -1,4 +1,4 @@
-//! The parameters that the modules declare: each a slider with its range, or a color.
+//! Parameters of modules, as sliders and colors.
 
 use super::context::{Pass, own, prefix};
 use super::widgets::{self, color, field, number};
@@ -6,7 +6,7 @@ use egui::{Button, RichText, Ui};
 use hypertexture::scene::ParameterValue;
 use hypertexture::shader::ParameterKind;
 
-/// Every parameter of an object.
+/// The parameters of an object.
 pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
     let (model, declared) = (pass.model, pass.model.parameters(part));
     if declared.iter().next().is_none() {

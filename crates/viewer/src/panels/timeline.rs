@@ -6,10 +6,10 @@ use super::widgets::{button, named};
 use crate::model::Model;
 use egui::{DragValue, Slider, SliderClamping, Ui};
 
-/// Width of what is right of the slider, points: its number, speed, loop, and the range.
+/// Width of the controls right of the slider, points.
 const RIGHT: f32 = 300.0;
 
-/// Play and pause, the time, how fast it runs, and which part of it is shown.
+/// Playback button, time slider, speed, repetition and range.
 pub(super) fn show(ui: &mut Ui, model: &Model, status: &Status, requests: &mut Vec<Request>) {
     let (mut playback, mut time) = (status.playback, status.time.unwrap_or(model.scene().camera.time));
     ui.horizontal(|ui| {

@@ -1,4 +1,4 @@
-//! History, files, and what the window is asked for.
+//! Toolbar and file section.
 
 use super::context::{Act, Pass};
 use super::request::Request;
@@ -10,7 +10,7 @@ use std::path::PathBuf;
 const UNDO: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::Z);
 const REDO: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::Y);
 
-/// Undo, redo, the command line, and what the window is asked for.
+/// Undo, redo, copy of the command line, editor and window buttons.
 pub(super) fn history(ui: &mut Ui, pass: &mut Pass<'_>, author_is_open: &mut bool) {
     let model = pass.model;
     ui.horizontal_wrapped(|ui| {
@@ -57,7 +57,7 @@ fn window(ui: &mut Ui, pass: &mut Pass<'_>) {
     ask(ui, false, "Quit", "quit", "End the program.", Request::Quit);
 }
 
-/// Reading and writing.
+/// Fields and buttons for files.
 pub(super) fn files(ui: &mut Ui, pass: &mut Pass<'_>, paths: &mut [String; 2], recent: &[PathBuf]) {
     let state = match (pass.model.file(), pass.model.is_dirty()) {
         (None, false) => "as it began".into(),

@@ -1,6 +1,6 @@
-//! The editor of the transfer map: a curve of density with points to drag, and the stops of color on a bar.
+//! Editor of the transfer map: a curve of opacity by density, and a bar of colors.
 //!
-//! A click selects a stop, a drag moves it, a double click adds one or takes one away.
+//! A click selects a stop, a drag moves it, a double click adds or removes one.
 
 use super::context::{Pass, own, prefix};
 use super::request::Request;
@@ -14,14 +14,14 @@ use hypertexture::scene::{Color, Stop, Transfer, linear_to_srgb};
 
 /// Height of the curve and of the bar, points.
 const HEIGHTS: [f32; 2] = [110.0, 22.0];
-/// Radius of a point of the curve.
+/// Radius of a point, points.
 const RADIUS: f32 = 5.5;
-/// Pieces of the curve that are drawn.
+/// Number of segments of the curve.
 const PIECES: usize = 160;
-/// Stops of a map, at most: as the check has it.
+/// Limit for stops, as in the check of the scene.
 const MAX_STOPS: usize = 256;
 
-/// The map of an object.
+/// The transfer map of an object.
 pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, selected: &mut usize) {
     let at = |name: &str| format!("{}transfer.{name}", prefix(part));
     let read = reads_map(pass, part);
@@ -67,7 +67,7 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, selecte
     }
 }
 
-/// Whether a module of the effect reads the map.
+/// Whether a module of the effect reads the transfer map.
 fn reads_map(pass: &Pass<'_>, part: Option<&str>) -> bool {
     let scene = pass.model.scene();
     let effect = part.and_then(|part| scene.parts.get(part)).map_or(&scene.effect, |part| &part.effect);
@@ -79,7 +79,7 @@ fn reads_map(pass: &Pass<'_>, part: Option<&str>) -> bool {
         || media.chain([("surface", effect.surface.as_str())]).filter_map(source).any(|text| text.contains("transfer"))
 }
 
-/// Opacity by density, with a point for each stop, over how much of the object has which density.
+/// The curve with a point for each stop, over the histogram of densities.
 fn curve(ui: &mut Ui, transfer: &mut Transfer, densities: &[u32], selected: &mut usize, name: &str) {
     let (area, rect) = field_of(ui, HEIGHTS[0], name);
     histogram(ui, rect, densities);
@@ -133,7 +133,7 @@ fn curve(ui: &mut Ui, transfer: &mut Transfer, densities: &[u32], selected: &mut
     }
 }
 
-/// Bars of how many points of the object have a density, logarithmic, and what the axes are.
+/// The logarithmic histogram of densities, and the labels of the axes.
 fn histogram(ui: &Ui, rect: Rect, densities: &[u32]) {
     let (painter, visuals) = (ui.painter_at(rect), ui.visuals());
     let height = |count: u32| (f64::from(count) + 1.0).ln() as f32;
@@ -152,7 +152,7 @@ fn histogram(ui: &Ui, rect: Rect, densities: &[u32]) {
     }
 }
 
-/// The colors, with a mark for each stop.
+/// The color bar with a mark for each stop.
 fn bar(ui: &mut Ui, transfer: &mut Transfer, selected: &mut usize, name: &str) {
     let (area, rect) = field_of(ui, HEIGHTS[1], name);
     let painter = ui.painter_at(rect.expand(RADIUS + 1.0));
@@ -202,7 +202,7 @@ fn bar(ui: &mut Ui, transfer: &mut Transfer, selected: &mut usize, name: &str) {
     }
 }
 
-/// An area to draw on; handles come above it.
+/// An area to draw on, below its handles.
 fn field_of(ui: &mut Ui, height: f32, name: &str) -> (Response, Rect) {
     let size = Vec2::new(ui.available_width(), height + 2.0 * RADIUS);
     let (outer, response) = ui.allocate_exact_size(size, Sense::click());
@@ -222,7 +222,7 @@ fn ring(ui: &Ui, strong: bool) -> Stroke {
     if strong { Stroke::new(2.0, visuals.selection.stroke.color) } else { Stroke::new(1.0, visuals.text_color()) }
 }
 
-/// Between which positions a stop may move, so that the order stays.
+/// Range in which a stop can move without a change of the order.
 fn neighbors(transfer: &Transfer, index: usize) -> [f32; 2] {
     let at = |index: Option<usize>| index.and_then(|index| transfer.stops.get(index)).map(|stop| stop.at);
     [at(index.checked_sub(1)).unwrap_or(0.0), at(Some(index + 1)).unwrap_or(1.0)]
@@ -236,7 +236,7 @@ fn put(transfer: &mut Transfer, index: usize, at: f32, density: Option<f32>) {
     }
 }
 
-/// Adds a stop with what the map has there, or with a density of its own; gives its place among the stops.
+/// Adds a stop with the interpolated values, or with a given density; returns its index.
 fn add(transfer: &mut Transfer, at: f32, density: Option<f32>) -> usize {
     let index = transfer.stops.iter().take_while(|stop| stop.at <= at).count();
     if transfer.stops.len() >= MAX_STOPS {
@@ -250,7 +250,7 @@ fn add(transfer: &mut Transfer, at: f32, density: Option<f32>) -> usize {
     index
 }
 
-/// Takes a stop away, unless it is the only one; selects the one before it.
+/// Removes a stop unless it is the only one, and selects the previous one.
 fn remove(transfer: &mut Transfer, selected: &mut usize) {
     if transfer.stops.len() > 1 && *selected < transfer.stops.len() {
         transfer.stops.remove(*selected);

@@ -1,4 +1,4 @@
-//! What becomes of a scene that stands still: its own picture, tile by tile, then means of more and more.
+//! Refinement of a resting scene: its own picture tile by tile, then means of sub-frames.
 
 use super::background_renderer::BackgroundRenderer;
 use super::job::{Event, Job, Picture, Variant};
@@ -14,36 +14,35 @@ use hypertexture::shader::shipped;
 use measure::statistics::rms_difference;
 use std::time::{Duration, Instant};
 
-/// A picture in the making is shown this often.
+/// Interval between updates of an unfinished picture.
 const SHOW_EVERY: Duration = Duration::from_millis(150);
-/// Tiles that are drawn together should take about this many milliseconds. Shorter: what each costs by itself shows. Longer:
-/// a picture in the making is shown less often. The hand interrupts them between two submissions.
+/// Target time of a batch of tiles, milliseconds. Lower: overhead of submissions. Higher: fewer updates. Input
+/// interrupts between submissions.
 const TILES_MS: f64 = 100.0;
-/// Tiles that are drawn first, and how many times as many follow at most.
+/// Tiles in the first batch, and largest growth of a batch.
 const FIRST_TILES: usize = 4;
 const MORE_TILES: f64 = 2.0;
-/// A program is used for the first time once the scene has rested for so long: while it is compiled, some devices draw
-/// nothing, not even the window.
+/// Rest of the scene before a new program is compiled: meanwhile some devices draw nothing, not even the window.
 const CALM: Duration = Duration::from_millis(400);
-/// What the scene's own picture lacks is made once it has rested for so long: the hand that opened it may go on to turn it.
+/// Rest of the scene before its own picture is prepared: input may follow.
 const SHORT: Duration = Duration::from_millis(150);
-/// While there is nothing to do, whether something else is to be done is asked this often.
+/// Interval between checks for new work.
 const LOOK: Duration = Duration::from_millis(5);
-/// Previews by which a pass is timed, behind the one that compiles it.
+/// Number of timed previews of a pass, after the one that compiles.
 const TRIALS: usize = 3;
-/// The other pass draws previews where it takes less than this part of the time: as much as times are apart.
+/// Largest fraction of the time at which the other pass draws previews. Higher: within the noise of the times.
 const FASTER: f64 = 0.8;
 
-/// A picture that was drawn in tiles.
+/// A picture drawn in tiles.
 pub(super) struct Drawn {
-    /// Milliseconds on the device.
+    /// Time on the device, milliseconds.
     pub(super) ms: f64,
-    /// Those of the last tiles.
+    /// Measurements of the last tiles.
     pub(super) measurements: Option<Measurements>,
 }
 
 impl RenderThread {
-    /// The scene's own picture, then means of more and more, until they are good enough or something else is to be done.
+    /// Refines the picture until it is good enough or the job is stale.
     pub(super) fn refine(
         &mut self,
         job: &Job,
@@ -73,7 +72,7 @@ impl RenderThread {
             .try_for_each(|(renderers_of, variant)| self.time_passes(job, variant, renderers_of))
     }
 
-    /// Whether the picture has got as good as was asked for, or as it can.
+    /// Whether the picture has reached its error target or the limit of sub-frames.
     fn refined(
         &mut self,
         job: &Job,
@@ -121,7 +120,7 @@ impl RenderThread {
         Ok(true)
     }
 
-    /// Waits for a while; whether nothing else is to be done then.
+    /// Waits; returns whether the job is still current.
     fn rests(&self, job: &Job, calm: Duration) -> bool {
         let until = Instant::now() + calm;
         while !self.shared.is_stale(job.number) && Instant::now() < until {
@@ -130,16 +129,16 @@ impl RenderThread {
         !self.shared.is_stale(job.number)
     }
 
-    /// Says what changes nothing in a picture that is finished: it takes a part of a second.
+    /// Reports fields without an effect, which takes a fraction of a second.
     fn tell_ignored(&self, job: &Job) {
         let Variant { scene, library, subject } = &job.variants[0];
-        // A custom module is compiled in a process of its own, and never for this.
+        // Compiling a custom module takes a child process, which this is not worth.
         if scene.modules.is_empty() && **library == shipped() && !self.shared.is_stale(job.number) {
             (self.tell)(Event::Ignored(ignored(library, subject, &nearest_preset(scene), scene)));
         }
     }
 
-    /// The scene's own picture of each variant; whether they were finished.
+    /// Draws the scene's own picture of each variant; returns whether they are finished.
     fn own_pictures(
         &self,
         job: &Job,
@@ -184,7 +183,7 @@ impl RenderThread {
         Ok(true)
     }
 
-    /// A picture, tile by tile into `pixels`, from where one looks; `None` where something else is to be done.
+    /// Draws a picture tile by tile into `pixels`, from the focus outwards; `None` if the job is stale.
     pub(super) fn in_tiles(
         &self,
         job: &Job,
@@ -195,7 +194,7 @@ impl RenderThread {
     ) -> Result<Option<Drawn>, RenderError> {
         let (number, [width, height]) = (job.number, scene.image.size);
         let stale = || self.shared.is_stale(number);
-        // The blocks of noise may take seconds.
+        // Baking noise may take seconds.
         match catch_cancellation(|| renderer.prepare(scene, &|_| cancel_if(stale()))) {
             None => return Ok(None),
             Some(done) => done?,
@@ -203,8 +202,8 @@ impl RenderThread {
         let shared = self.shared.clone();
         renderer.stop_where(move |_| shared.is_stale(number));
         pixels.resize(width as usize * height as usize, [0.0; 4]);
-        // Where pixels have several samples, areas that are drawn together must not touch; light that goes from slice to slice
-        // is made anew for each area.
+        // With multisampling, areas of one batch must not touch. Half-angle slicing propagates light anew for each
+        // area.
         let (all, at_once) = match scene.quality.msaa {
             _ if scene.is_half_angle() => (vec![Area::whole(scene.image.size)], 1),
             1 => (tiles(scene.image.size, job.focus), usize::MAX),
@@ -230,7 +229,7 @@ impl RenderThread {
         Ok(Some(drawn))
     }
 
-    /// Times previews by both passes, once for a variant whose picture is finished, and remembers which is faster.
+    /// Times previews of both passes, once for a finished picture, and stores the faster one.
     fn time_passes(
         &self,
         job: &Job,
@@ -260,7 +259,7 @@ impl RenderThread {
             match renderers_of.trial.get_or_insert_with(renderer).run(&stale, work) {
                 Ok(Some(ms)) if ms > 0.0 => *time = ms,
                 Ok(_) | Err(RenderError::Stopped) => return Ok(()),
-                // The scene's own pass draws it.
+                // The scene's own pass stays.
                 Err(error) => {
                     log::debug!("previews by the other pass: {error}");
                     (renderers_of.faster, renderers_of.trial) = (Some([own; 2]), None);
@@ -275,7 +274,7 @@ impl RenderThread {
         Ok(())
     }
 
-    /// Holds the preview and the scene's own picture against the mean.
+    /// Measures the errors of the preview and of the scene's own picture against the mean.
     fn judge(&mut self, still: &mut Accumulation) {
         let all = still.means.iter().zip(&still.coarse).zip(still.own.iter().flatten()).zip(&still.scenes);
         let mut worst = [0.0f64; 2];
@@ -305,7 +304,7 @@ impl RenderThread {
     }
 }
 
-/// Bands of a picture, from the top, of whole quads.
+/// Bands of a picture from the top, of even height.
 fn bands([width, height]: [u32; 2]) -> Vec<Area> {
     let rows = height.div_ceil(16).max(1).next_multiple_of(2);
     (0..height.div_ceil(rows))
@@ -313,7 +312,7 @@ fn bands([width, height]: [u32; 2]) -> Vec<Area> {
         .collect()
 }
 
-/// Whether the means are good enough. Two doublings are the least that says something.
+/// Whether the means are within the error target, after at least two doublings.
 fn is_converged(still: &Accumulation, job: &Job) -> bool {
     let good = |mean: &Mean| mean.count >= 2 * FEWEST && mean.error().is_some_and(|error| error <= job.max_error);
     still.means.iter().all(good)

@@ -1,4 +1,4 @@
-//! Where pictures are made: previews while the scene moves, ever better pictures while it stands still.
+//! The loop of the render thread.
 
 use super::job::{Event, Job, Picture};
 use super::renderers::{VariantRenderers, sight};
@@ -17,39 +17,39 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 
-/// Tells the window something.
+/// Sends an event to the window.
 type Tell = Box<dyn Fn(Event) + Send + Sync>;
 
-/// Where pictures are made.
+/// The render thread.
 pub(super) struct RenderThread {
     pub(super) gpu: Gpu,
     gate: Arc<Gate>,
     pub(super) shared: Arc<Shared>,
     pub(super) tell: Tell,
     pub(super) budget: Budget,
-    /// Error of the last preview that a mean could be held against, and its level.
+    /// Measured error of the last preview, and its level.
     pub(super) coarse_error: Option<(f64, Level)>,
-    /// Error of the scene's own picture, then.
+    /// Measured error of the scene's own picture.
     pub(super) own_error: Option<f64>,
 }
 
-/// What is kept of a scene that stands still.
+/// Accumulated pictures of a resting scene.
 pub(super) struct Accumulation {
     pub(super) scenes: Vec<Scene>,
     pub(super) sights: Vec<Sight>,
-    /// What was shown first, and the level of a preview; what was there before the window had another size has none.
+    /// The first pictures and the level of the preview; `None` after a resize.
     pub(super) coarse: Vec<Vec<[f32; 4]>>,
     pub(super) size: [u32; 2],
     pub(super) level: Option<Level>,
-    /// The scene's own pictures as far as they are finished.
+    /// Unfinished own pictures of the scene.
     pub(super) partial: Option<Vec<Vec<[f32; 4]>>>,
-    /// Those that are.
+    /// Finished own pictures of the scene.
     pub(super) own: Option<Vec<Vec<[f32; 4]>>>,
     pub(super) means: Vec<Mean>,
     pub(super) gpu_ms: f64,
-    /// Whether it was said what changes nothing.
+    /// Whether fields without an effect were reported.
     pub(super) told: bool,
-    /// Which pixels of the first of the scene's own pictures are not to be trusted.
+    /// Validity of the first own picture.
     pub(super) validity: Option<measure::validity::Validity>,
 }
 
@@ -71,7 +71,7 @@ impl Accumulation {
         }
     }
 
-    /// Whether a job asks for the same in another size.
+    /// Whether a job differs in the size only.
     fn is_resized_by(&self, job: &Job) -> bool {
         let same = |(own, variant): (&Scene, &super::job::Variant)| {
             let mut resized = own.clone();
@@ -81,7 +81,7 @@ impl Accumulation {
         self.scenes.len() == job.variants.len() && self.scenes.iter().zip(&job.variants).all(same)
     }
 
-    /// The best pictures that there are, and their size.
+    /// The best pictures and their size.
     pub(super) fn best(&self) -> (Vec<Vec<[f32; 4]>>, [u32; 2]) {
         let size = self.scenes[0].image.size;
         match (&self.own, &self.partial) {
@@ -109,7 +109,7 @@ impl RenderThread {
         }
     }
 
-    /// Does the tasks there are, and waits for a job; `None` at the end.
+    /// Performs tasks and waits for a job; `None` at the end.
     fn next_job(&mut self) -> Option<Job> {
         loop {
             let mut inbox = self.shared.inbox();
@@ -130,7 +130,7 @@ impl RenderThread {
         }
     }
 
-    /// Tells of an error; whether the device is still there.
+    /// Reports an error; returns whether the device is still there.
     fn survives(&self, done: Result<(), RenderError>) -> bool {
         let Err(error) = done else { return true };
         let lost = matches!(&error, RenderError::Gpu(error) if error.is_lost());
@@ -138,7 +138,7 @@ impl RenderThread {
         !lost
     }
 
-    /// Shows a job and those after it that have the same modules and objects; gives the first that has not.
+    /// Shows a job and later ones with the same modules and objects; returns the first other one.
     fn show(&mut self, mut job: Job) -> Option<Job> {
         let gpu = self.gpu.clone();
         let own = job.variants.clone();
@@ -182,7 +182,7 @@ impl RenderThread {
         }
     }
 
-    /// Whether the device may meet the programs of a scene; tells why not.
+    /// Whether the programs of a scene may run; reports a refusal.
     pub(super) fn admits(&self, scene: &Scene, library: &Library) -> bool {
         match self.gate.validate(scene, library, &|| self.shared.quits()) {
             Ok(()) => true,
@@ -195,7 +195,7 @@ impl RenderThread {
         }
     }
 
-    /// A picture in time for the next one, as far as the thread does not end.
+    /// Draws a preview within the budget; `None` if the thread ends.
     fn preview(&mut self, job: &Job, renderers: &mut [VariantRenderers]) -> Result<Option<Accumulation>, RenderError> {
         let sights: Result<Vec<Sight>, _> = job.variants.iter().map(sight).collect();
         let sights = sights?;
@@ -242,7 +242,7 @@ impl RenderThread {
         }
     }
 
-    /// What was there in another size of the window, in its new size: it is gone on from.
+    /// Resamples the pictures of the previous window size.
     fn resized(&mut self, job: &Job, before: &Accumulation) -> Result<Accumulation, RenderError> {
         let sights: Result<Vec<Sight>, _> = job.variants.iter().map(sight).collect();
         let (sights, size) = (sights?, job.variants[0].scene.image.size);
@@ -261,7 +261,7 @@ impl RenderThread {
         let backgrounds: Vec<_> = job.variants.iter().map(|variant| variant.scene.image.background).collect();
         picture.images = encode_srgb(frames, &backgrounds, picture.size);
         picture.difference = match frames {
-            // Rows of one may be finer than those of the other.
+            // Partial pictures may be sampled unequally.
             [a, b] if picture.stage != Stage::Partial => Some(rms_difference(a, b)),
             _ => None,
         };
@@ -272,7 +272,7 @@ impl RenderThread {
 }
 
 impl Picture {
-    /// As large as the scene asks, with its samples; no images yet, and nothing known of its error.
+    /// A picture in the size and with the samples of the scene, without images.
     pub(super) fn of(job: &Job, stage: Stage, gpu_ms: f64) -> Picture {
         let scene = &job.variants[0].scene;
         let (size, samples) = (scene.image.size, scene.quality.samples);

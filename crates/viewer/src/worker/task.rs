@@ -1,4 +1,4 @@
-//! What is done between two pictures.
+//! Tasks between pictures.
 
 use super::job::{Event, Task, Variant};
 use super::render_thread::RenderThread;
@@ -12,7 +12,7 @@ use measure::pick::{ErrorBound, PickError, pick};
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
-/// Frames per second of a recording.
+/// Frames per second of a turntable.
 const FPS: f64 = 25.0;
 
 impl RenderThread {
@@ -55,7 +55,7 @@ impl RenderThread {
         self.shared.quits() || self.shared.stop.load(Ordering::Relaxed)
     }
 
-    /// Writes a picture and what it shows; whether that went well.
+    /// Writes a picture with its metadata; returns whether that succeeded.
     fn write(&self, frame: &Frame, scene: &Scene, edited: &[String], path: &Path) -> bool {
         let mut measured = frame.measurements.clone();
         if !edited.is_empty() {

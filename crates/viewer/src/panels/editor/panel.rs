@@ -9,12 +9,12 @@ use crate::panels::widgets::{button, named};
 use egui::{Key, Label, Modifiers, Panel, Popup, Rect, RichText, ScrollArea, Sense, TextEdit, Ui};
 use std::path::PathBuf;
 
-/// Height of what is said about the text, points: the same whatever it is, so that the text does not move.
+/// Height of the area for errors, points; constant, so that the text does not move.
 const VERDICT: f32 = 84.0;
-/// The list of modules leaves out what is no slot of an effect.
+/// Slots whose modules cannot be edited.
 const NO_SLOTS: [&str; 2] = ["doctor", "combine"];
 
-/// Gives the keys to the text where a click in the editor, which fills `place`, has left them to nobody.
+/// Returns the focus to the text field after a click in the editor that has taken it.
 pub(in crate::panels) fn keep_focus(ui: &Ui, place: Rect) {
     let is_clicked = ui.input(|input| {
         let pointer = &input.pointer;
@@ -25,7 +25,7 @@ pub(in crate::panels) fn keep_focus(ui: &Ui, place: Rect) {
     }
 }
 
-/// Shows the editor. To be called once for each frame: it polls.
+/// Shows the editor. Called once per frame: it polls.
 pub(in crate::panels) fn show(ui: &mut Ui, author: &mut Author, model: &mut Model, editor: &mut Editor) {
     author.poll(model);
     ui.horizontal_wrapped(|ui| {
@@ -66,7 +66,7 @@ pub(in crate::panels) fn show(ui: &mut Ui, author: &mut Author, model: &mut Mode
     text::show(ui, author, model, editor);
 }
 
-/// The module that is edited, out of all.
+/// The list of modules.
 fn chooser(ui: &mut Ui, author: &mut Author, model: &Model) {
     let library = model.library();
     let mut paths: Vec<(&str, &str)> = library
@@ -96,7 +96,7 @@ fn chooser(ui: &mut Ui, author: &mut Author, model: &Model) {
     }
 }
 
-/// A name for a copy, and a file to write or to follow.
+/// The field for a module name or a file, and its buttons.
 fn files(ui: &mut Ui, author: &mut Author, model: &mut Model) {
     let id = ui.id().with("author.field");
     let mut field: String = ui.data(|data| data.get_temp(id)).unwrap_or_default();
@@ -127,7 +127,7 @@ fn files(ui: &mut Ui, author: &mut Author, model: &mut Model) {
     }
 }
 
-/// A file that is gone; or the text here and that of the file, where both have changed.
+/// A deleted file, or a conflict between the file and the text.
 fn contest(ui: &mut Ui, author: &mut Author) {
     if let Some(line) = author.complaint().filter(|_| author.is_gone()) {
         ui.label(RichText::new(line).color(ui.visuals().error_fg_color));
@@ -148,7 +148,7 @@ fn contest(ui: &mut Ui, author: &mut Author) {
     }
 }
 
-/// What became of the text, with every fault; a click on one leads to its line.
+/// The result of the check, with all errors; a click on one goes to its line.
 fn verdict(ui: &mut Ui, author: &Author, editor: &mut Editor) {
     match author.state() {
         State::Good => drop(ui.label(RichText::new("good: this is what the picture is made of").weak())),
@@ -175,7 +175,7 @@ fn verdict(ui: &mut Ui, author: &Author, editor: &mut Editor) {
     }
 }
 
-/// The bytes of a line, counted from 1, without its end.
+/// Bytes of a line, counted from 1, without its end.
 fn line_at(text: &str, line: usize) -> std::ops::Range<usize> {
     let mut start = 0;
     for (index, row) in text.split_inclusive('\n').enumerate() {
