@@ -19,14 +19,14 @@ pub enum CompareMode {
 
 /// Display modes with label and tooltip.
 const MODES: [(CompareMode, &str, &str); 4] = [
-    (CompareMode::Wipe, "wipe", "The kept variant left of a line, the one that is edited right of it."),
+    (CompareMode::Wipe, "wipe", "The pinned variant left of a divider, the edited one right of it."),
     (
         CompareMode::Difference,
         "difference",
-        "The absolute difference in linear light, or of opacity where that is more, times the gain.",
+        "The absolute difference in linear light, or of the opacity if that is larger, times the gain.",
     ),
-    (CompareMode::Now, "now", "The variant that is edited."),
-    (CompareMode::Kept, "kept", "The variant that was kept."),
+    (CompareMode::Now, "now", "The edited variant."),
+    (CompareMode::Kept, "kept", "The pinned variant."),
 ];
 /// Width of the divider for the pointer, points.
 const GRIP: f32 = 12.0;
@@ -84,17 +84,18 @@ impl Comparison {
         match self.mode {
             CompareMode::Wipe => {
                 let response = ui.add(Slider::new(&mut self.at, 0.0..=1.0).show_value(false).text("line"));
-                named(ui, &response, "compare.at").on_hover_text("Where the line is; drag it, or use the arrow keys.");
+                named(ui, &response, "compare.at")
+                    .on_hover_text("Position of the divider; drag it, or use the arrow keys.");
             }
             CompareMode::Difference => {
                 let response = ui.add(Slider::new(&mut self.gain, 1.0..=1024.0).logarithmic(true).text("gain"));
-                named(ui, &response, "compare.gain").on_hover_text("How many times the difference is enlarged.");
+                named(ui, &response, "compare.gain").on_hover_text("Amplification of the difference.");
             }
             CompareMode::Now | CompareMode::Kept => {}
         }
         let text = match rms {
             Some(rms) => format!("RMS {rms:.1e}"),
-            None => "RMS: not yet as finely sampled".into(),
+            None => "RMS: not equally sampled yet".into(),
         };
         ui.label(text).on_hover_text(
             "Root mean square of the difference over all channels, linear light; only of two pictures with the same number of samples.",

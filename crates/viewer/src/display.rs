@@ -187,7 +187,7 @@ impl Guard {
             std::thread::park();
         }
         let kept = self.latest.keep();
-        let kept = kept.map(|folder| format!("; what was not saved is in {}", folder.display())).unwrap_or_default();
+        let kept = kept.map(|folder| format!("; unsaved work is in {}", folder.display())).unwrap_or_default();
         log::error!(
             "{}",
             match reason {

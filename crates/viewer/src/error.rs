@@ -20,7 +20,7 @@ pub enum ViewError {
     )]
     NoLibrary(&'static str),
     /// The xkb data are missing.
-    #[error("no xkb data{0}, which a window needs for its keys; on Debian or Ubuntu: sudo apt install xkb-data")]
+    #[error("no xkb data{0}, which keyboard input needs; on Debian or Ubuntu: sudo apt install xkb-data")]
     NoKeyboards(String),
     /// No driver supports the color depth of the screen.
     #[error(

@@ -69,7 +69,7 @@ pub fn run(start: Start) -> Result<(), ViewError> {
         false => wake(),
     });
     if let Err(error) = handled {
-        log::warn!("no handler for signals, which end the program with what is not saved: {error}");
+        log::warn!("cannot handle signals, which will discard unsaved work: {error}");
     }
     let app = App::new(&start, notify.clone())?;
     let (messages, outcome) = {
@@ -100,7 +100,7 @@ pub fn run(start: Start) -> Result<(), ViewError> {
             let latest = Latest::default();
             handler.app.note_unsaved(&latest);
             if let Some(folder) = latest.keep() {
-                let _ = writeln!(io::stdout(), "what was not saved is in {}", folder.display());
+                let _ = writeln!(io::stdout(), "unsaved work is in {}", folder.display());
             }
         }
         if let (Some(ending), Some(_)) = (handler.ending, &handler.script) {

@@ -149,7 +149,7 @@ impl Process {
             Err(error) => return Some(Err(error.to_string())),
         };
         let said = self.stderr.take().and_then(|stderr| stderr.wait()).unwrap_or_default();
-        let last = said.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or("no word of why");
+        let last = said.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or("no error message");
         Some(if status.success() { Ok(()) } else { Err(last.trim_start_matches("error: ").to_string()) })
     }
 }

@@ -1,29 +1,29 @@
 //! Scripts of user input, for tests and screenshots.
 //!
-//! A script is a text with one step in each line; `#` begins a comment. Each step ends before the next begins:
+//! A script has one step per line; `#` starts a comment. Each step ends before the next one starts:
 //! ```text
-//! wait picture | converged         until the picture is what `render` makes of the scene, or has converged
-//! wait validity                    until it is shown which pixels are not to be trusted
-//! wait inspected                   until all is known of the pixel that is inspected
-//! wait drawn                       until the picture is one of the scene as it is, if only a coarse one
+//! wait picture | converged         until the scene's own picture is shown, or a converged one
+//! wait validity                    until the validity of the pixels is shown
+//! wait inspected                   until the report on the inspected pixel is complete
+//! wait drawn                       until any picture of the current scene is shown
 //! wait loading                     until an object is being loaded
-//! frames N                         until the window was drawn so many times
-//! size W H                         the size of the window, points
-//! minimize, restore                the window has no pixel, and has its pixels again
-//! key NAME                         a key, as the window lists it
-//! drag X Y X Y [right | ctrl]      the mouse over the picture: 0 to 1 from its left and top
-//! scroll LINES                     the wheel, in the middle of the picture
-//! orbit MOVES SECONDS              a drag of so many moves in circles; prints how fast the window latency them
-//! wait idle                        until no picture is being written or looked for
-//! click NAME                       the control of that name; where several have it, the last
-//! where NAME                       prints where the control or the line is that begins so: left, top, right, bottom
-//! set NAME NUMBER                  a slider
-//! write NAME TEXT                  the text of a field, `\n` for a new line
-//! wait good | bad                  until the text of the editor is compiled, or refused
-//! copy FILE FILE                   what another program does to the second file
-//! drop FILE                        a file dropped on the window
-//! shot FILE                        the picture that `render` makes
-//! lose                             the device is lost
+//! frames N                         until N frames were drawn
+//! size W H                         resizes the window, points
+//! minimize, restore                minimizes or restores the window
+//! key NAME                         presses a key, named as in the help
+//! drag X Y X Y [right | ctrl]      drags over the picture, in fractions from its left and top
+//! scroll LINES                     turns the wheel in the center of the picture
+//! orbit MOVES SECONDS              drags in circles, and prints the latency of the window
+//! wait idle                        until no task is running
+//! click NAME                       clicks the last control of that name
+//! where NAME                       prints the rectangle of a control whose name starts so: left, top, right, bottom
+//! set NAME NUMBER                  sets a slider
+//! write NAME TEXT                  replaces the text of a field, `\n` for a new line
+//! wait good | bad                  until the text of the editor has passed, or was refused
+//! copy FILE FILE                   copies a file, as another program would
+//! drop FILE                        drops a file on the window
+//! shot FILE                        writes the picture of the scene
+//! lose                             simulates a lost device
 //! quit                             closes the window
 //! ```
 
@@ -167,7 +167,7 @@ impl Script {
         };
         if !done {
             return match self.began.elapsed() > PATIENCE {
-                true => Err(fail(format!("{step:?} has not come about in {} s", PATIENCE.as_secs()))),
+                true => Err(fail(format!("{step:?} timed out after {} s", PATIENCE.as_secs()))),
                 false => Ok(None),
             };
         }
@@ -188,7 +188,7 @@ impl Script {
                 let begins =
                     |own: &Widget| own.node.label().or(own.node.value()).is_some_and(|own| own.starts_with(name));
                 let place = tree.iter().rfind(|own| begins(own)).and_then(|own| own.node.bounds());
-                let place = place.ok_or_else(|| fail(format!("nothing begins with `{name}`")))?;
+                let place = place.ok_or_else(|| fail(format!("no control begins with `{name}`")))?;
                 let _ = writeln!(io::stdout(), "{name}: {} {} {} {}", place.x0, place.y0, place.x1, place.y1);
                 None
             }
@@ -294,7 +294,7 @@ fn find<'a>(tree: &'a [Widget], name: &str, action: Action) -> Result<&'a Widget
     tree.iter().rfind(|widget| widget.node.supports_action(action) && named(widget)).ok_or_else(|| {
         let usable = tree.iter().filter(|widget| widget.node.supports_action(action));
         let known: Vec<&str> = usable.filter_map(|widget| widget.node.label().or(widget.node.value())).collect();
-        format!("nothing is called `{name}`; there are: {}", known.join(", "))
+        format!("no control is called `{name}`; known: {}", known.join(", "))
     })
 }
 
@@ -346,7 +346,7 @@ fn parse(line: &str) -> Result<Step, String> {
         ("set" | "write" | "copy", _) => {
             let (name, value) = rest.split_once(' ').ok_or_else(|| format!("`{word}` needs two words"))?;
             match word {
-                "set" => Step::Set(name.into(), value.parse().map_err(|_| format!("`{value}` is no number"))?),
+                "set" => Step::Set(name.into(), value.parse().map_err(|_| format!("`{value}` is not a number"))?),
                 "write" => Step::Write(name.into(), value.replace("\\n", "\n")),
                 _ => Step::Copy(name.into(), value.into()),
             }
@@ -379,7 +379,7 @@ fn parse(line: &str) -> Result<Step, String> {
         ("shot", _) => Step::Do(ScriptEvent::Shot(path()?)),
         ("lose", "") => Step::Do(ScriptEvent::Lose),
         ("quit", "") => Step::Do(ScriptEvent::Quit),
-        _ => return Err(format!("`{line}` is no step")),
+        _ => return Err(format!("`{line}` is not a step")),
     })
 }
 
@@ -393,7 +393,7 @@ mod tests {
         let file = folder.path().join("steps");
         std::fs::write(&file, "wait picture # comment\n\nclick Play\ndrag 0 0 1 1 right\nfrobnicate\n").unwrap();
         let error = Script::read(&file).err().unwrap().to_string();
-        assert!(error.ends_with("steps:5: `frobnicate` is no step"), "{error}");
+        assert!(error.ends_with("steps:5: `frobnicate` is not a step"), "{error}");
         for (line, reason) in [("drag 0 0 1", "4 numbers"), ("key nothing", "no key"), ("drop", "needs a file")] {
             assert!(parse(line).unwrap_err().contains(reason), "{line}");
         }

@@ -72,7 +72,7 @@ impl Figures {
                 None => format!("converging, picture {count}"),
             },
             Stage::Converged(_) => "converged".into(),
-            Stage::Validity => "validity: colored pixels are not to be trusted".into(),
+            Stage::Validity => "validity: colored pixels are invalid".into(),
         }
     }
 }

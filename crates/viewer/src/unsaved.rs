@@ -81,7 +81,7 @@ impl Latest {
         match noted.unsaved.keep(&folder) {
             Ok(any) => any.then_some(folder),
             Err(error) => {
-                log::warn!("what was not saved is lost: {error}");
+                log::warn!("unsaved work is lost: {error}");
                 None
             }
         }

@@ -315,14 +315,14 @@ fn final_pictures_are_rendered_beside_the_window() {
     assert_eq!(image::open(&picture).unwrap().to_rgba8().dimensions(), (24, 16));
     let shown = hypertexture::output::read_provenance(&picture).unwrap();
     assert_eq!(shown.scene(&picture, scene::Reach::Anywhere).unwrap().quality.samples, 16);
-    assert!(!line(&hand, &format!("{} is there", picture.display())), "it is the window's own");
+    assert!(!line(&hand, &format!("{} exists", picture.display())), "it is the window's own");
 
     hand.click("final.sequence");
     hand.write("final.file", frames.to_str().unwrap());
     hand.set("final.frames", 3.0);
     fs::write(folder.path().join("frame_00.png"), "of somebody else").unwrap();
     hand.0.run_steps(2);
-    assert!(line(&hand, &format!("{} is there", folder.path().join("frame_00.png").display())));
+    assert!(line(&hand, &format!("{} exists", folder.path().join("frame_00.png").display())));
     hand.click("final.render");
     wait(&mut hand);
     let all: Vec<_> = (0..3).map(|n| image::open(folder.path().join(format!("frame_0{n}.png"))).unwrap()).collect();

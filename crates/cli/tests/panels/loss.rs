@@ -201,7 +201,7 @@ fn a_file_is_followed_while_the_editor_is_closed_and_its_end_is_said() {
     wait(&mut hand, has(text("0.25")));
     fs::remove_file(&file).unwrap();
     let says = |hand: &mut Hand| {
-        let is_it = |text: &String| text.contains("half_of.glsl is gone");
+        let is_it = |text: &String| text.contains("half_of.glsl was deleted");
         hand.0.query_all_by(move |node| node.value().as_ref().is_some_and(is_it)).count() == 1
     };
     wait(&mut hand, says);

@@ -66,7 +66,7 @@ fn the_difference_has_a_gain_and_its_rms_is_that_of_equal_pictures_only() {
     assert_eq!((harness.state().comparison.mode, harness.state().comparison.gain), (CompareMode::Difference, 64.0));
     assert!(harness.query_by_label("compare.at").is_none());
     let says = |harness: &Harness<'static, State>, text: &str| harness.query_all_by_value(text).next().is_some();
-    assert!(says(&harness, "RMS: not yet as finely sampled"));
+    assert!(says(&harness, "RMS: not equally sampled yet"));
     harness.state_mut().rms = Some(0.021);
     harness.run_steps(2);
     assert!(says(&harness, "RMS 2.1e-2"));

@@ -133,7 +133,7 @@ fn a_server_that_ends_leaves_one_line_and_what_was_not_saved() {
         child.stderr.take().unwrap().read_to_string(&mut text).unwrap();
         assert_eq!((child.wait().unwrap().code(), text.lines().count()), (Some(1), 1), "{more:?}: {text}");
         let start =
-            format!("error: the display {} has ended, and the window with it; what was not saved is in ", display.name);
+            format!("error: the display {} has ended, and the window with it; unsaved work is in ", display.name);
         let kept = PathBuf::from(text.trim_end().strip_prefix(&start).expect(&text));
         let scene = scene::load(&kept.join("scene.toml"), Reach::Anywhere).unwrap();
         assert_eq!(scene.parameters.get("fury"), Some(&ParameterValue::Number(2.5)));

@@ -154,7 +154,7 @@ fn letters_are_written_after_every_kind_of_click_and_a_slider_stays_where_it_is_
         std::thread::sleep(Duration::from_millis(20));
     }
     assert!(Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap().success());
-    assert!(said.any(|line| line.starts_with("what was not saved is in ")));
+    assert!(said.any(|line| line.starts_with("unsaved work is in ")));
     assert!(child.wait().unwrap().success());
 
     let mut written = files(&folder);

@@ -575,7 +575,7 @@ fn a_signal_keeps_what_is_not_saved_and_the_next_window_offers_it_and_the_clipbo
         assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());
         let mut said = String::new();
         output.read_line(&mut said).unwrap();
-        assert!(child.wait().unwrap().success() && said.starts_with("what was not saved is in "), "{signal}: {said}");
+        assert!(child.wait().unwrap().success() && said.starts_with("unsaved work is in "), "{signal}: {said}");
 
         let again = format!("wait picture\nclick kept.open\nwait picture\nshot {}\nquit\n", shot.display());
         std::fs::write(&script, again).unwrap();

@@ -35,11 +35,7 @@ impl App {
             Action::Inertia => {
                 self.navigation.inertia = !self.navigation.inertia;
                 self.navigation.glide = None;
-                self.note(if self.navigation.inertia {
-                    "the ball turns on"
-                } else {
-                    "the ball stops when it is let go"
-                });
+                self.note(if self.navigation.inertia { "inertia on" } else { "inertia off" });
             }
             Action::Level => self.navigation.level = !self.navigation.level,
             Action::Side(index) => {
@@ -64,7 +60,7 @@ impl App {
             Action::Open => self.panels.choose_file(),
             Action::Panels => self.panels.hide(!self.panels.is_hidden()),
             Action::Controls => self.panels.hide(false),
-            Action::Withheld => self.note("the keys are those of the text: Esc or a click on the picture ends that"),
+            Action::Withheld => self.note("the text field has the keys: press Esc or click the picture to leave it"),
         }
     }
 
@@ -200,7 +196,7 @@ impl App {
     pub(super) fn take(&mut self, pick: &Pick) {
         let content = |scene: &Scene| Scene { camera: Camera::default(), ..scene.clone() };
         if self.tasks.picked_for.take().map(|scene| content(&scene)) != Some(content(self.model.scene())) {
-            self.fail("the scene has changed while the fastest settings for it were looked for: ask again");
+            self.fail("the scene changed during the search for the fastest settings: try again");
             return;
         }
         let Scene { quality, effect, .. } = &pick.scene;
@@ -212,7 +208,7 @@ impl App {
         if good {
             let by = if pick.unverified.is_none() { "the f64 reference" } else { "a finer picture" };
             let error = rounded_up(pick.verified.error);
-            self.note(format!("drawn with {}: error at most {error:.1e} by {by}", pick.settings));
+            self.note(format!("using {}: error at most {error:.1e} against {by}", pick.settings));
         }
     }
 

@@ -36,7 +36,7 @@ impl App {
     /// Inspects the next of the most different pixels.
     pub(super) fn jump_to_worst(&mut self) {
         if !self.inspector.jump() {
-            self.note("the worst pixels are known once the picture has been refined");
+            self.note("the most different pixels are known once the picture has been refined");
         }
     }
 

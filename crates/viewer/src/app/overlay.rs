@@ -25,7 +25,7 @@ impl App {
                     ui.add(ProgressBar::new(done).show_percentage());
                     if ui.button("Cancel").clicked() {
                         self.loader.cancel();
-                        self.note(format!("{name} was given up"));
+                        self.note(format!("loading {name} was cancelled"));
                     }
                 });
             });
@@ -53,7 +53,7 @@ impl App {
     fn show_causes(&self, ui: &mut Ui) {
         if self.figures.validity.is_empty() {
             ui.label(
-                "validity: the picture is finished first, then drawn again with one setting at a time made better",
+                "validity: waiting for the picture to converge, then rendering it with one better setting at a time",
             );
         }
         for ([r, g, b], line) in &self.figures.validity {

@@ -140,10 +140,10 @@ impl Author {
         let file = self.file.as_ref()?.path.display();
         match &self.state {
             _ if self.is_gone() => {
-                Some(format!("{file} is gone: the picture keeps its text, which `save as` in the editor writes again"))
+                Some(format!("{file} was deleted: the picture keeps its text; `save as` in the editor writes it again"))
             }
             _ if self.is_contested() => {
-                Some(format!("{file} was changed by another program, and here: open the editor"))
+                Some(format!("{file} was changed by another program and in the editor: open the editor to choose"))
             }
             State::Bad(faults) => faults.first().map(|fault| match &fault.at {
                 Some((_, line)) => format!("{file}:{line}: {}", fault.text),
@@ -187,7 +187,7 @@ impl Author {
     /// The name is none that GLSL and scene files bear, or there is such a module.
     pub fn fork(&mut self, library: &Library, name: &str) -> Result<(), String> {
         if !is_identifier(name) {
-            return Err(format!("`{name}` is no name of a module: lower-case letters, digits and _, a letter first"));
+            return Err(format!("invalid module name `{name}`: use a-z, 0-9 and _, starting with a letter"));
         }
         if library.modules(&self.slot).contains(&name) {
             return Err(format!("there is a module {}/{name} already", self.slot));
@@ -208,7 +208,10 @@ impl Author {
     pub fn watch(&mut self, library: &Library, path: &Path) -> Result<(), String> {
         let name = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
         if !is_identifier(name) || path.extension().is_none_or(|end| end != "glsl") {
-            return Err(format!("{}: a module is a file NAME.glsl, lower-case letters, digits and _", path.display()));
+            return Err(format!(
+                "{}: a module file is NAME.glsl, where NAME uses a-z, 0-9 and _, starting with a letter",
+                path.display()
+            ));
         }
         let folder = path.parent().and_then(Path::file_name).and_then(|folder| folder.to_str()).unwrap_or_default();
         let slot = if library.modules(folder).is_empty() { "dmf" } else { folder };
@@ -368,7 +371,7 @@ impl Author {
             }
             Ok(None) => {
                 self.check = None;
-                let text = format!("no program of this scene has {}; choose a scene that has", self.path());
+                let text = format!("no program of this scene includes {}; choose a scene that does", self.path());
                 self.state = State::Bad(vec![Fault { at: None, text }]);
             }
             Err(error) => {

@@ -144,7 +144,7 @@ fn a_search_is_given_up_by_hand_by_another_pixel_and_by_another_scene() {
     let cancelled = endless(&mut harness, [24, 16]);
     click(&mut harness, "pixel.cancel");
     assert!(cancelled.load(Ordering::Relaxed) && harness.state().0.report.exact.is_none());
-    assert!(harness.query_all_by_value("reference: given up").next().is_some());
+    assert!(harness.query_all_by_value("reference: cancelled").next().is_some());
     let cancelled = endless(&mut harness, [25, 16]);
     harness.state_mut().0.look_at(Some([26, 16]));
     assert!(cancelled.load(Ordering::Relaxed), "by another pixel");

@@ -33,7 +33,7 @@ impl Inspector {
                     let response = ui.add(DragValue::new(&mut next[axis]).range(0..=last).speed(0.2));
                     named(ui, &response, &format!("pixel.{name}"));
                 }
-                let doc = "Jump to the next of the pixels that differ most: from the variant it is compared with, or from the converged picture (W).";
+                let doc = "Go to the next of the most different pixels: from the compared variant, or from the converged picture (W).";
                 if button(ui, "worst", "pixel.worst", doc).clicked() && self.jump() {
                     next = self.pixel.unwrap_or(next);
                 }
@@ -64,9 +64,9 @@ impl Inspector {
             ui.label("");
             CHANNELS.iter().for_each(|channel| drop(ui.label(RichText::new(*channel).weak())));
             ui.end_row();
-            row(ui, "value", "As `render` makes it: premultiplied, linear light.", own);
+            row(ui, "value", "The value of `render`: premultiplied, linear light.", own);
             if let Some((frame, count)) = mean {
-                row(ui, &format!("mean of {count}"), "Filtered over the pixel, as it converges.", of(frame));
+                row(ui, &format!("mean of {count}"), "The mean over the pixel.", of(frame));
             }
             if let Some(frame) = other {
                 row(ui, "kept", "The value of the compared variant.", of(frame));
@@ -74,7 +74,7 @@ impl Inspector {
             row(
                 ui,
                 "reference",
-                "The same scene in f64, to the limit of ever more samples.",
+                "The scene in f64, in the limit of infinitely many samples.",
                 exact.map(|exact| exact.value),
             );
             let error = own.zip(exact).map(|(own, exact)| [0, 1, 2, 3].map(|c| own[c] - exact.value[c]));
@@ -83,17 +83,17 @@ impl Inspector {
         match &self.report.exact {
             Some(Ok(Exact { error, open, .. })) => {
                 let overlooked = match *open <= UNSEEN {
-                    true => "nothing overlooked".into(),
-                    false => format!("bounds leave {open:.0e} of opacity open"),
+                    true => "complete".into(),
+                    false => format!("{open:.0e} of opacity unresolved"),
                 };
                 ui.label(RichText::new(format!("reference to ±{error:.0e}, {overlooked}")).weak());
             }
             Some(Err(reason)) => drop(ui.add(Label::new(RichText::new(reason).weak()).wrap())),
-            None if self.report.done => drop(ui.label(RichText::new("reference: given up").weak())),
+            None if self.report.done => drop(ui.label(RichText::new("reference: cancelled").weak())),
             None => drop(ui.horizontal(|ui| {
                 ui.spinner();
                 ui.label("reference in f64");
-                if button(ui, "cancel", "pixel.cancel", "Give it up.").clicked()
+                if button(ui, "cancel", "pixel.cancel", "Cancel the search.").clicked()
                     && let Some(search) = &self.search
                 {
                     search.cancel();
@@ -105,11 +105,10 @@ impl Inspector {
 
     fn ray(&self, ui: &mut Ui) {
         match &self.report.ray {
-            Some(Ok(ray)) if ray.is_empty() => drop(ui.label("the ray passes beside the object")),
+            Some(Ok(ray)) if ray.is_empty() => drop(ui.label("the ray misses the object")),
             Some(Ok(ray)) => {
                 plot(ui, ray);
-                let doc =
-                    "Proven by bounds of the scene's own program, at every place of the ray and not at samples of it.";
+                let doc = "Proven by bounds of the scene's program along the whole ray.";
                 ui.label(RichText::new(known(ray)).weak()).on_hover_text(doc);
             }
             Some(Err(reason)) => drop(ui.add(Label::new(RichText::new(reason).weak()).wrap())),
@@ -131,7 +130,7 @@ fn row(ui: &mut Ui, name: &str, doc: &str, value: Option<[f64; 4]>) {
 fn modules(ui: &mut Ui, report: &PixelReport) {
     let meets = |ray: &Vec<Along>| ray.iter().any(|at| at.density > 0.0);
     if matches!(&report.ray, Some(Ok(ray)) if !meets(ray)) {
-        ui.label("no matter on the ray: no module made this pixel");
+        ui.label("no matter on the ray");
         return;
     }
     ui.label(RichText::new("made by").weak());
@@ -143,8 +142,7 @@ fn modules(ui: &mut Ui, report: &PixelReport) {
         }
     });
     for (name, by) in &report.shares {
-        let doc =
-            "How far the pixel of the scene without it is from this one, in f64: the largest difference of a channel.";
+        let doc = "The largest change of a channel without it, in f64.";
         ui.label(format!("without {name}: {by:.3} off")).on_hover_text(doc);
     }
 }

@@ -71,7 +71,10 @@ impl Model {
                 let missing = if edited.is_empty() {
                     String::new()
                 } else {
-                    format!("; save these modules as files too, a scene holds no text of them: {}", edited.join(", "))
+                    format!(
+                        "; save these modules as files too, scene files do not contain their text: {}",
+                        edited.join(", ")
+                    )
                 };
                 self.message = Some(Message::note(format!("wrote {}{missing}", path.display())));
                 true

@@ -29,8 +29,7 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>) {
         return settings::table(ui, pass, "", "quality");
     }
     let mut on = pass.status.validity;
-    let doc =
-        "Once the picture has converged, color the pixels that change where one setting is made better, and say which.";
+    let doc = "Once the picture has converged, color the pixels that would change with a better setting.";
     let response = ui.checkbox(&mut on, "validity").on_hover_text(doc);
     if super::widgets::named(ui, &response, "validity").changed() {
         pass.requests.push(Request::Validity(on));

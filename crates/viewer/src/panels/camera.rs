@@ -40,7 +40,7 @@ pub(super) fn camera(ui: &mut Ui, pass: &mut Pass<'_>, bookmarks: &mut Bookmarks
         }
     });
     ui.horizontal_wrapped(|ui| {
-        if button(ui, "Reset view", "camera.reset", "Look at the object as its preset does (R).").clicked() {
+        if button(ui, "Reset view", "camera.reset", "Reset the camera to that of the preset (R).").clicked() {
             pass.requests.push(Request::ResetCamera);
         }
         let mut level = pass.status.level;
@@ -49,7 +49,7 @@ pub(super) fn camera(ui: &mut Ui, pass: &mut Pass<'_>, bookmarks: &mut Bookmarks
         if named(ui, &response, "camera.level").on_hover_text(doc).changed() {
             pass.requests.push(Request::Level(level));
         }
-        if button(ui, "bookmark", "camera.bookmark", "Keep this view; the next window has it too.").clicked() {
+        if button(ui, "bookmark", "camera.bookmark", "Bookmark this view for this and later sessions.").clicked() {
             bookmarks.add(&pass.draft.camera);
         }
     });

@@ -162,16 +162,16 @@ impl Dialogs {
         let Some(folder) = self.kept.first().cloned() else { return };
         ui.horizontal_wrapped(|ui| {
             let count = if self.kept.len() > 1 { format!(" ({} in all)", self.kept.len()) } else { String::new() };
-            ui.label(RichText::new(format!("not saved, kept {}{count}", age(&folder))).strong())
+            ui.label(RichText::new(format!("unsaved work from {}{count}", age(&folder))).strong())
                 .on_hover_text(folder.display().to_string());
-            if button(ui, "open it", "kept.open", "Show the scene and its modules as they were.").clicked() {
+            if button(ui, "open it", "kept.open", "Restore the scene and its modules.").clicked() {
                 acts.push(Act::Restore(folder.clone()));
                 self.kept.remove(0);
             }
-            if button(ui, "not now", "kept.later", "It stays where it is, and is offered again.").clicked() {
+            if button(ui, "not now", "kept.later", "Keep it and offer it again.").clicked() {
                 self.kept.clear();
             }
-            if button(ui, "delete", "kept.delete", "It is gone for good.").clicked() {
+            if button(ui, "delete", "kept.delete", "Delete it permanently.").clicked() {
                 self.kept.remove(0);
                 if let Err(error) = std::fs::remove_dir_all(&folder) {
                     log::warn!("{}: {error}", folder.display());
@@ -193,7 +193,7 @@ fn answer(ui: &mut Ui, question: &Question, model: &Model, at_stake: Option<Stri
     let (line, yes, no) = match question {
         Question::Quit => (at_stake.unwrap_or_else(|| "Quit?".into()), "quit", "stay"),
         Question::Scene(path) | Question::Picture(path) => {
-            (format!("{} is there, and was not written by this window.", path.display()), "replace it", "keep it")
+            (format!("{} exists and was not written by this window.", path.display()), "replace it", "keep it")
         }
     };
     ui.label(line);

@@ -37,7 +37,7 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
     if part.is_none() {
         ui.separator();
         let title = RichText::new("noise, light and rays").strong();
-        ui.label(title).on_hover_text("All objects of the scene share these.");
+        ui.label(title).on_hover_text("Shared by all objects of the scene.");
         shared.iter().for_each(|setting| settings::show(ui, pass, "", setting.name));
     }
 }
@@ -80,7 +80,7 @@ fn stack(
 ) {
     ui.label(RichText::new(title).strong()).on_hover_text(format!("{}\n{}", field.doc, field.name));
     let options = modules(library, slot);
-    let mut masks = vec![(String::new(), "everywhere", "It acts everywhere.".to_string())];
+    let mut masks = vec![(String::new(), "everywhere", "Acts everywhere.".to_string())];
     if slot == "dmf" {
         masks.extend(modules(library, "mask"));
     }
@@ -110,7 +110,7 @@ fn stack(
             if small(ui, index + 1 < count, "⏷", ".down", "Apply it later.") {
                 swapped = Some(index);
             }
-            if small(ui, true, "✖", ".remove", "Take it out of the stack.") {
+            if small(ui, true, "✖", ".remove", "Remove it from the stack.") {
                 removed = Some(index);
             }
         });

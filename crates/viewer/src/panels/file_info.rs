@@ -61,10 +61,10 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, known: 
             }
         };
         for iso in &facts.iso_values {
-            offer(format!("surface at {iso}"), "iso", iso.to_string(), "The values change most there.");
+            offer(format!("surface at {iso}"), "iso", iso.to_string(), "The gradient is largest there.");
         }
         if facts.is_like_distances {
-            offer("signed distances".into(), "distance", "true".into(), "The values change as distances do.");
+            offer("signed distances".into(), "distance", "true".into(), "The gradient is that of a distance field.");
         }
     });
 }
@@ -101,6 +101,6 @@ fn chart(ui: &mut Ui, histogram: &Histogram, isos: &[f32], iso: Option<f32>, nam
     {
         painter.text(corner, align, format!(" {value} "), FontId::proportional(11.0), visuals.text_color());
     }
-    let doc = "Bars: voxels of each value, logarithmic. Line: how much the values change there. Marks: iso-values.";
+    let doc = "Bars: number of voxels, logarithmic. Line: mean gradient. Marks: iso-values.";
     named(ui, &response, name).on_hover_text(doc);
 }

@@ -123,18 +123,17 @@ impl Finals {
         self.accuracy(ui, model);
         if self.kind != Kind::Picture {
             let motion = &mut self.motion;
-            let frames = field("final.frames", "How many pictures.");
+            let frames = field("final.frames", "Number of pictures.");
             number(ui, &mut None, &frames, &mut motion.frames, 1..=1000);
             number(ui, &mut None, &field("final.fps", "Pictures per second."), &mut motion.fps, 1.0..=60.0);
             let around = field("final.turntable", "The camera goes once around the object.");
             switch(ui, &mut None, &around, &mut motion.turntable);
-            let again =
-                field("final.restart", "Render frames again that are finished; without, a stopped sequence goes on.");
+            let again = field("final.restart", "Render finished frames again; otherwise a stopped sequence continues.");
             switch(ui, &mut None, &again, &mut motion.restart);
         }
         let order = self.order(model);
         let has_background = order.scene.image.background.is_some();
-        ui.weak(if has_background { "with its background" } else { "transparent where nothing is" });
+        ui.weak(if has_background { "with its background" } else { "with a transparent background" });
         ui.separator();
         self.buttons(ui, model, order);
     }
@@ -205,7 +204,7 @@ impl Finals {
         let mut samples = self.samples.unwrap_or(own);
         number(ui, &mut None, &field("final.samples", "Samples of a ray, or slices."), &mut samples, 1..=4096);
         self.samples = (samples != own).then_some(samples);
-        let smooth = field("final.supersampling", "Pictures of which the mean is taken: smooth edges, less noise.");
+        let smooth = field("final.supersampling", "Number of averaged pictures: smooth edges, less noise.");
         number(ui, &mut None, &smooth, &mut self.supersampling, 1..=64);
     }
 
@@ -217,17 +216,17 @@ impl Finals {
             ui.horizontal(|ui| {
                 ui.spinner();
                 ui.label(progress);
-                if button(ui, "Stop", "final.stop", "End it; finished frames stay.").clicked() {
+                if button(ui, "Stop", "final.stop", "Stop; finished frames stay.").clicked() {
                     self.running = None;
                     self.outcome = Some(Message::note("the final picture was stopped"));
                 }
             });
         } else if edited.is_empty() {
             if replaces {
-                ui.colored_label(ui.visuals().warn_fg_color, format!("{} is there", first.display()));
+                ui.colored_label(ui.visuals().warn_fg_color, format!("{} exists", first.display()));
             }
             let text = if replaces { "Replace it" } else { "Render" };
-            if button(ui, text, "final.render", "A process of its own renders it: go on meanwhile.").clicked() {
+            if button(ui, text, "final.render", "Render in the background.").clicked() {
                 match Rendering::start(&self.program, order) {
                     Ok(running) => {
                         (self.running, self.outcome) = (Some(running), None);
@@ -237,8 +236,10 @@ impl Finals {
                 }
             }
         } else {
-            let line =
-                format!("save these modules as files first, a scene holds no text of them: {}", edited.join(", "));
+            let line = format!(
+                "save these modules as files first, scene files do not contain their text: {}",
+                edited.join(", ")
+            );
             ui.label(RichText::new(line).color(ui.visuals().warn_fg_color));
         }
     }

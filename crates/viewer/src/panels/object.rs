@@ -22,7 +22,7 @@ pub(super) fn list(ui: &mut Ui, pass: &mut Pass<'_>, selected: &mut Option<Strin
             pass.acts.push(Act::AddPart);
         }
         if let Some(name) = &selected
-            && button(ui, "remove", "remove object", "Remove the object that is edited.").clicked()
+            && button(ui, "remove", "remove object", "Remove the selected object.").clicked()
         {
             pass.acts.push(Act::RemovePart(name.clone()));
         }
@@ -51,8 +51,7 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
 fn built_in(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
     let object = part.and_then(|part| pass.draft.parts.get(part)).map_or(&pass.draft.object, |part| &part.object);
     let name = format!("{}object.input", prefix(part));
-    let row =
-        Field { text: Some("built-in"), ..field(format!("{name}.list"), "Objects that there are without a file.") };
+    let row = Field { text: Some("built-in"), ..field(format!("{name}.list"), "Built-in objects.") };
     let mut options: Vec<_> = BUILT_IN.iter().map(|name| (name.to_string(), *name, String::new())).collect();
     let mut now = object.input.clone();
     if !BUILT_IN.contains(&now.as_str()) {

@@ -21,7 +21,7 @@ const HEIGHT: f32 = 212.0;
 
 /// The list of presets, and whether they bring their own object and view.
 pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, with_own: &mut bool) {
-    let own = super::widgets::field("presets.own", "Take the object, the view and the moment of the preset as well.");
+    let own = super::widgets::field("presets.own", "Also use the object, the view and the time of the preset.");
     switch(ui, &mut None, &super::widgets::Field { text: Some("own object, view"), ..own }, with_own);
     ScrollArea::vertical().id_salt("presets").max_height(HEIGHT).show(ui, |ui| pictures_of_all(ui, pass, *with_own));
 }

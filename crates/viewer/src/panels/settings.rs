@@ -183,7 +183,7 @@ fn changed(
             let mut now = value.as_str()?.to_string();
             let mut options = modules(pass.model.library(), setting.field());
             if setting.field() == "project" {
-                let doc = "The formula of an object that is one, else its closest points.";
+                let doc = "The formula of an analytic object, else its closest points.";
                 options.insert(0, ("auto".into(), "auto", doc.into()));
             }
             choice(ui, &mut touch, row, &mut now, &options);

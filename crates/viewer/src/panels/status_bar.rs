@@ -35,7 +35,7 @@ pub(super) fn show(ui: &mut Ui, status: &Status) {
         }
         if !status.ignored.is_empty() {
             let line = format!("ignored: {}", status.ignored.join(", "));
-            let doc = format!("{line}: the picture is the same without.");
+            let doc = format!("{line}: no effect on the picture.");
             ui.add(Label::new(RichText::new(line).weak()).truncate()).on_hover_text(doc);
         }
         if is_wide {
@@ -100,7 +100,7 @@ fn plot(ui: &mut Ui, recent_ms: &[f64], budget_ms: f64) {
         let color: Color32 = if *ms <= budget_ms { visuals.hyperlink_color } else { visuals.warn_fg_color };
         painter.vline(x, y(*ms)..=rect.bottom(), Stroke::new(1.5, color));
     }
-    response.on_hover_text(format!("milliseconds on the device of the last previews; the line: {budget_ms:.0} ms"));
+    response.on_hover_text(format!("time of the last previews on the device; the line marks {budget_ms:.0} ms"));
 }
 
 #[cfg(test)]

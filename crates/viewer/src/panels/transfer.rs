@@ -27,9 +27,7 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, selecte
     let read = reads_map(pass, part);
     let refracts = pass.draft.effect.ray_path == hypertexture::scene::RayPath::Refracted;
     if !read {
-        ui.weak(
-            "no module of this effect reads it; medium transfer and classify post, pre, preintegrated and clear do",
-        );
+        ui.weak("not used by this effect, but by medium transfer and classify post, pre, preintegrated and clear");
     }
     settings::show(ui, pass, &prefix(part), "transfer.curve");
     pass.requests.push(Request::Densities);
@@ -39,12 +37,12 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, selecte
     curve(ui, transfer, pass.status.densities.as_deref().unwrap_or_default(), selected, &at("curve_editor"));
     bar(ui, transfer, selected, &at("bar"));
     ui.horizontal_wrapped(|ui| {
-        if button(ui, "add stop", &at("add"), "Add a stop behind the one that is selected.").clicked() {
+        if button(ui, "add stop", &at("add"), "Add a stop after the selected one.").clicked() {
             let from = transfer.stops.get(*selected).map_or(0.0, |stop| stop.at);
             let to = transfer.stops.get(*selected + 1).map_or(1.0, |stop| stop.at);
             *selected = add(transfer, 0.5 * (from + to), None);
         }
-        if button(ui, "remove stop", &at("remove"), "Take away the stop that is selected.").clicked() {
+        if button(ui, "remove stop", &at("remove"), "Remove the selected stop.").clicked() {
             remove(transfer, selected);
         }
     });
@@ -58,10 +56,10 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, selecte
         number(ui, touch, &field(name("at"), "Density at which the stop is."), &mut stop.at, 0.0..=1.0);
         stop.at = stop.at.clamp(low, high);
         color(ui, touch, &field(name("color"), "Color there."), &mut stop.color);
-        let doc = "Density that the opacity is made of; 1 is opaque.";
+        let doc = "Opacity; 1 is opaque.";
         number(ui, touch, &field(name("density"), doc), &mut stop.density, 0.0..=1.0);
         if refracts || stop.index != 1.0 {
-            let doc = "Index of refraction; read where rays bend.";
+            let doc = "Index of refraction; used by refracted rays.";
             number(ui, touch, &field(name("index"), doc), &mut stop.index, 1.0..=4.0);
         }
     }
@@ -208,7 +206,7 @@ fn field_of(ui: &mut Ui, height: f32, name: &str) -> (Response, Rect) {
     let (outer, response) = ui.allocate_exact_size(size, Sense::click());
     let rect = outer.shrink(RADIUS);
     ui.painter().rect_filled(rect, 2.0, ui.visuals().extreme_bg_color);
-    (named(ui, &response, name).on_hover_text("Double click to add a stop, or on one to take it away."), rect)
+    (named(ui, &response, name).on_hover_text("Double click to add a stop, or on a stop to remove it."), rect)
 }
 
 fn handle(ui: &Ui, center: Pos2, size: Vec2, name: &str) -> Response {

@@ -42,7 +42,7 @@ pub(in crate::panels) fn show(ui: &mut Ui, author: &mut Author, model: &mut Mode
                 author.use_in(model);
             }
         });
-        if button(ui, "shipped text", "author.reset", "Take back every change of this module.").clicked() {
+        if button(ui, "shipped text", "author.reset", "Revert this module to its shipped text.").clicked() {
             author.reset();
             author.touch();
         }
@@ -50,7 +50,7 @@ pub(in crate::panels) fn show(ui: &mut Ui, author: &mut Author, model: &mut Mode
     ui.horizontal_wrapped(|ui| files(ui, author, model));
     ui.horizontal_wrapped(|ui| {
         let wraps = ui.toggle_value(&mut editor.wraps, "wrap");
-        named(ui, &wraps, "author.wrap").on_hover_text("Long lines go on in the next row.");
+        named(ui, &wraps, "author.wrap").on_hover_text("Wrap long lines.");
         let asked = ui.input_mut(|input| input.consume_key(Modifiers::COMMAND, Key::F));
         if let Some(found) = editor.find.show(ui, &author.text, asked) {
             editor.go_to = Some(found);
@@ -90,7 +90,7 @@ fn chooser(ui: &mut Ui, author: &mut Author, model: &Model) {
             }
         }
     });
-    named(ui, &shown.response, "author.module").on_hover_text("The module that is edited.");
+    named(ui, &shown.response, "author.module").on_hover_text("The edited module.");
     if let Some((slot, name)) = chosen {
         author.open(library, &slot, &name);
     }
@@ -103,13 +103,13 @@ fn files(ui: &mut Ui, author: &mut Author, model: &mut Model) {
     let edit = TextEdit::singleline(&mut field).hint_text("new_name or path/NAME.glsl").desired_width(180.0);
     let response = ui.add(edit);
     named(ui, &response, "author.name");
-    let fork = button(ui, "new module", "author.fork", "Make a new module of this text, with this name.").clicked();
-    let save = button(ui, "save as", "author.save", "Write the text to this file, and follow the file.").clicked();
+    let fork = button(ui, "new module", "author.fork", "Create a module with this name from the text.").clicked();
+    let save = button(ui, "save as", "author.save", "Write the text to this file and follow it.").clicked();
     let follow = button(
         ui,
         "follow file",
         "author.follow",
-        "Edit the module in an editor of your own: the picture follows the file. The folder is the slot, dmf if it is none.",
+        "Edit the module in an external editor: the picture follows the file. The folder names the slot, else the slot is dmf.",
     )
     .clicked();
     let done = match (fork, save, follow) {
@@ -133,14 +133,12 @@ fn contest(ui: &mut Ui, author: &mut Author) {
         ui.label(RichText::new(line).color(ui.visuals().error_fg_color));
     } else if author.is_contested() {
         ui.horizontal_wrapped(|ui| {
-            ui.label(
-                RichText::new("another program has written to the file, and the text here is another")
-                    .color(ui.visuals().error_fg_color),
-            );
-            if button(ui, "take the file", "author.theirs", "What was typed here since is gone.").clicked() {
+            ui.label(RichText::new("the file and the text here have both changed").color(ui.visuals().error_fg_color));
+            if button(ui, "take the file", "author.theirs", "Discard the changes here.").clicked() {
                 author.settle(true);
             }
-            if button(ui, "keep this text", "author.ours", "`save as` replaces what the other program wrote.").clicked()
+            if button(ui, "keep this text", "author.ours", "Keep the changes here; `save as` overwrites the file.")
+                .clicked()
             {
                 author.settle(false);
             }
@@ -151,7 +149,7 @@ fn contest(ui: &mut Ui, author: &mut Author) {
 /// The result of the check, with all errors; a click on one goes to its line.
 fn verdict(ui: &mut Ui, author: &Author, editor: &mut Editor) {
     match author.state() {
-        State::Good => drop(ui.label(RichText::new("good: this is what the picture is made of").weak())),
+        State::Good => drop(ui.label(RichText::new("good: the picture uses this text").weak())),
         State::Compiling => drop(ui.label(RichText::new("compiling ...").weak())),
         State::Bad(faults) => {
             ui.label(RichText::new("the picture shows the last good text").weak());
