@@ -4,12 +4,12 @@ use super::ViewError;
 use super::app::{App, Start};
 use super::background::Notify;
 use super::display::{Display, Guard, fitted};
-use super::fonts::Fallback;
 use super::input::passes;
-use super::script::{Script, ScriptEvent, Widget, widgets};
+use super::script::{Script, widgets};
 use super::unsaved::Latest;
-use egui::{Context, FullOutput, TexturesDelta, ViewportId};
-use hypertexture::gpu::{Canvas, GpuError, Messages, Presented};
+use super::window_state::{WindowState, perform};
+use egui::{FullOutput, ViewportId};
+use hypertexture::gpu::{GpuError, Messages, Presented};
 use std::io::{self, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -143,44 +143,6 @@ struct EventHandler {
     interrupted: Arc<AtomicBool>,
     /// Start of the exit.
     ending: Option<Instant>,
-}
-
-/// State that exists as long as the window.
-struct WindowState {
-    // Declared before the window, so that the surface is dropped first.
-    canvas: Canvas,
-    context: Context,
-    fonts: Fallback,
-    input: egui_winit::State,
-    window: Arc<Window>,
-    widgets: Vec<Widget>,
-    /// Texture changes since the window was last drawn.
-    textures: TexturesDelta,
-    full_screen: bool,
-    title: String,
-}
-
-impl WindowState {
-    fn new(start: &Start, window: Arc<Window>, notify: Notify, reads_names: bool) -> Result<WindowState, ViewError> {
-        let canvas = Canvas::open(&start.options, window.clone())?;
-        let context = Context::default();
-        if reads_names {
-            context.enable_accesskit();
-        }
-        let (scale, side) = (Some(window.scale_factor() as f32), canvas.gpu().info().max_image as usize);
-        let input = egui_winit::State::new(context.clone(), ViewportId::ROOT, &window, scale, None, Some(side));
-        Ok(WindowState {
-            canvas,
-            context,
-            fonts: Fallback::new(notify),
-            input,
-            window,
-            widgets: Vec::new(),
-            textures: TexturesDelta::default(),
-            full_screen: false,
-            title: String::new(),
-        })
-    }
 }
 
 impl ApplicationHandler<Wake> for EventHandler {
@@ -391,21 +353,4 @@ impl EventHandler {
         });
         Ok(())
     }
-}
-
-/// Performs a script event; returns whether the window is minimized.
-fn perform(event: ScriptEvent, state: &mut WindowState, app: &mut App, minimized: bool) -> Result<bool, ViewError> {
-    match event {
-        ScriptEvent::Events(events) => state.input.egui_input_mut().events.extend(events),
-        ScriptEvent::Drop(path) => drop(state.input.on_window_event(&state.window, &WindowEvent::DroppedFile(path))),
-        ScriptEvent::Size([width, height]) => drop(state.window.request_inner_size(LogicalSize::new(width, height))),
-        ScriptEvent::Minimize(minimize) => {
-            state.window.set_minimized(minimize);
-            return Ok(minimize);
-        }
-        ScriptEvent::Shot(path) => app.screenshot(path),
-        ScriptEvent::Lose => return Err(GpuError::lost().into()),
-        ScriptEvent::Quit => app.quit = true,
-    }
-    Ok(minimized)
 }

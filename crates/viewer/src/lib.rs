@@ -24,6 +24,7 @@ mod input_latency;
 pub mod inspect;
 mod keys;
 mod load;
+mod mean;
 #[doc(hidden)] // for the tests of this crate
 pub mod message;
 #[doc(hidden)] // for the tests of this crate
@@ -40,6 +41,7 @@ mod trackball;
 #[doc(hidden)] // for the tests of this crate
 pub mod unsaved;
 mod unused_settings;
+mod window_state;
 mod worker;
 
 pub use app::Start;

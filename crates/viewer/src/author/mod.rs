@@ -4,10 +4,11 @@
 //! compiler, the evaluator and the device first in a child process ([`measure::guard`]), whose crash or hang is one
 //! error line ([`Gate`]); until a text passes, the model keeps its library and the picture its program.
 
+mod files;
 mod gate;
 mod source;
 mod trial;
 
+pub(super) use files::MAX_FILE;
 pub use gate::Gate;
-pub(super) use source::MAX_FILE;
 pub use source::{Author, State, WATCH};

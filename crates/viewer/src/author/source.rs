@@ -1,5 +1,6 @@
 //! The text of the edited module, here or in a watched file, and its check.
 
+use super::files::{is_identifier, read, renamed, stamp};
 use super::gate::Gate;
 use super::trial;
 use crate::background::{Background, Notify};
@@ -7,12 +8,11 @@ use crate::model::Model;
 use hypertexture::shader::compile::{CompileError, Fault};
 use hypertexture::shader::{self, Library};
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::task::Poll;
 use std::time::{Duration, Instant, SystemTime};
-use support::{open, write_whole};
+use support::write_whole;
 
 /// Interval between looks at a watched file. Editors replace files: time and length identify a version better than
 /// the inode.
@@ -23,8 +23,6 @@ const REST: Duration = Duration::from_millis(120);
 const ANSWER: Duration = Duration::from_millis(30);
 /// Number of failed looks after which a file is gone; a single one may fall between the two steps of a replacement.
 const GONE: u32 = 2;
-/// Size limit of a module file, bytes.
-pub(crate) const MAX_FILE: u64 = 1 << 20;
 
 /// The edited module.
 pub struct Author {
@@ -380,36 +378,4 @@ impl Author {
             }
         }
     }
-}
-
-/// Whether this is a module name that GLSL, scene files and the command line accept.
-fn is_identifier(name: &str) -> bool {
-    name.starts_with(|c: char| c.is_ascii_lowercase())
-        && name.len() <= 64
-        && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
-}
-
-/// Replaces one identifier by another.
-fn renamed(text: &str, from: &str, to: &str) -> String {
-    let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
-    let mut new = String::new();
-    let mut rest = text;
-    while !rest.is_empty() {
-        let starts_word = rest.starts_with(is_word);
-        let end = rest.find(|c| is_word(c) != starts_word).unwrap_or(rest.len());
-        let (piece, after) = rest.split_at(end);
-        new.push_str(if piece == from { to } else { piece });
-        rest = after;
-    }
-    new
-}
-
-/// Modification time and length of a file.
-fn stamp(path: &Path) -> Option<(SystemTime, u64)> {
-    let info = fs::metadata(path).ok()?;
-    Some((info.modified().ok()?, info.len()))
-}
-
-fn read(path: &Path) -> Result<String, String> {
-    open::text(path, MAX_FILE).map_err(|error| error.to_string())
 }
