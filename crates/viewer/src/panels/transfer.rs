@@ -99,35 +99,56 @@ fn curve(ui: &mut Ui, transfer: &mut Transfer, densities: &[u32], selected: &mut
         let part = (pos - rect.min) / rect.size();
         [part.x.clamp(0.0, 1.0), 1.0 - part.y.clamp(0.0, 1.0)]
     };
-    let mut act = None;
+    let shown = |index: usize, stop: &Stop| {
+        (place(stop.at, stop.density), vec2(RADIUS, RADIUS) * 2.6, format!("{name}.{index}"))
+    };
+    let at = |pos: Pos2| {
+        let [at, density] = parts(pos);
+        (at, Some(density))
+    };
+    stops(ui, transfer, selected, &area, &shown, &at, &|stop, ring| {
+        painter.circle(place(stop.at, stop.density), RADIUS, painted(stop.color), ring);
+    });
+}
+
+/// Handles of the stops: a click selects, a drag moves, a double click removes a stop or adds one to the `area`. `shown`
+/// gives center, size and name of a handle, `at` the position and density at a point, and `paint` draws a stop.
+fn stops(
+    ui: &Ui,
+    transfer: &mut Transfer,
+    selected: &mut usize,
+    area: &Response,
+    shown: &dyn Fn(usize, &Stop) -> (Pos2, Vec2, String),
+    at: &dyn Fn(Pos2) -> (f32, Option<f32>),
+    paint: &dyn Fn(&Stop, Stroke),
+) {
+    let mut removed = None;
     for index in 0..transfer.stops.len() {
-        let stop = transfer.stops[index];
-        let handle = handle(ui, place(stop.at, stop.density), vec2(RADIUS, RADIUS) * 2.6, &format!("{name}.{index}"));
+        let (center, size, name) = shown(index, &transfer.stops[index]);
+        let handle = handle(ui, center, size, &name);
         match (handle.double_clicked(), handle.dragged().then(|| handle.interact_pointer_pos()).flatten()) {
-            (true, _) => act = Some(index),
+            (true, _) => removed = Some(index),
             (_, Some(pos)) => {
-                let [at, density] = parts(pos);
-                put(transfer, index, at, Some(density));
+                let (at, density) = at(pos);
+                put(transfer, index, at, density);
                 *selected = index;
             }
             _ if handle.clicked() => *selected = index,
             _ => {}
         }
-        let stop = transfer.stops[index];
-        let ring = ring(ui, index == *selected || handle.hovered());
-        painter.circle(place(stop.at, stop.density), RADIUS, painted(stop.color), ring);
+        paint(&transfer.stops[index], ring(ui, index == *selected || handle.hovered()));
     }
-    match act {
-        Some(index) => {
+    let added = area.interact_pointer_pos().filter(|_| area.double_clicked());
+    match (removed, added) {
+        (Some(index), _) => {
             *selected = index;
             remove(transfer, selected);
         }
-        None if area.double_clicked() => {
-            if let Some([at, density]) = area.interact_pointer_pos().map(parts) {
-                *selected = add(transfer, at, Some(density));
-            }
+        (None, Some(pos)) => {
+            let (at, density) = at(pos);
+            *selected = add(transfer, at, density);
         }
-        None => {}
+        (None, None) => {}
     }
 }
 
@@ -166,38 +187,14 @@ fn bar(ui: &mut Ui, transfer: &mut Transfer, selected: &mut usize, name: &str) {
             Color32::from_rgb(r, g, b),
         );
     }
-    let part = |pos: Pos2| ((pos.x - rect.left()) / rect.width()).clamp(0.0, 1.0);
-    let mut act = None;
-    for index in 0..transfer.stops.len() {
-        let place = |at: f32| pos2(egui::lerp(rect.x_range(), at), rect.center().y);
-        let size = vec2(RADIUS * 2.0, rect.height());
-        let handle = handle(ui, place(transfer.stops[index].at), size, &format!("{name}.{index}"));
-        match (handle.double_clicked(), handle.dragged().then(|| handle.interact_pointer_pos()).flatten()) {
-            (true, _) => act = Some(index),
-            (_, Some(pos)) => {
-                put(transfer, index, part(pos), None);
-                *selected = index;
-            }
-            _ if handle.clicked() => *selected = index,
-            _ => {}
-        }
-        let stop = transfer.stops[index];
+    let place = |at: f32| pos2(egui::lerp(rect.x_range(), at), rect.center().y);
+    let shown =
+        |index: usize, stop: &Stop| (place(stop.at), vec2(RADIUS * 2.0, rect.height()), format!("{name}.{index}"));
+    let at = |pos: Pos2| (((pos.x - rect.left()) / rect.width()).clamp(0.0, 1.0), None);
+    stops(ui, transfer, selected, &area, &shown, &at, &|stop, ring| {
         let mark = Rect::from_center_size(place(stop.at), vec2(RADIUS * 1.4, rect.height() + 2.0));
-        let ring = ring(ui, index == *selected || handle.hovered());
         painter.rect(mark, CornerRadius::same(2), painted(stop.color), ring, StrokeKind::Inside);
-    }
-    match act {
-        Some(index) => {
-            *selected = index;
-            remove(transfer, selected);
-        }
-        None if area.double_clicked() => {
-            if let Some(pos) = area.interact_pointer_pos() {
-                *selected = add(transfer, part(pos), None);
-            }
-        }
-        None => {}
-    }
+    });
 }
 
 /// An area to draw on, below its handles.

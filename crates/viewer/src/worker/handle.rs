@@ -24,12 +24,12 @@ impl Worker {
         let (sender, events) = mpsc::channel();
         let own = shared.clone();
         let thread = thread::spawn(move || {
-            let tell = move |event| {
+            let send = move |event| {
                 // The window may be closed.
                 let _ = sender.send(event);
                 notify();
             };
-            RenderThread::new(gpu, gate, own, budget_ms, Box::new(tell)).run();
+            RenderThread::new(gpu, gate, own, budget_ms, Box::new(send)).run();
         });
         Worker { shared, events, thread: Some(thread) }
     }

@@ -48,24 +48,27 @@ impl RenderThread {
         &mut self,
         job: &Job,
         renderers: &mut [VariantRenderers],
-        still: &mut Accumulation,
+        accumulation: &mut Accumulation,
     ) -> Result<(), RenderError> {
-        let finished = match self.refined(job, renderers, still) {
+        let finished = match self.refined(job, renderers, accumulation) {
             Err(RenderError::Stopped) => return Ok(()),
             other => other?,
         };
         if !finished {
             return Ok(());
         }
-        self.tell_mean(job, still, true);
-        if !std::mem::replace(&mut still.told, true) {
-            self.tell_ignored(job);
+        self.send_mean(job, accumulation, true);
+        if !std::mem::replace(&mut accumulation.reported, true) {
+            self.send_ignored(job);
         }
-        if let (Some([own]), true) = (still.own.as_deref(), job.validity) {
-            if still.validity.is_none() {
-                still.validity = self.examine(job, own)?;
+        if let (Some([own]), true) = (accumulation.own.as_deref(), job.validity) {
+            if accumulation.validity.is_none() {
+                accumulation.validity = self.examine(job, own)?;
             }
-            still.validity.iter().for_each(|validity| self.tell_validity(job, validity, own, still.gpu_ms));
+            accumulation
+                .validity
+                .iter()
+                .for_each(|validity| self.send_validity(job, validity, own, accumulation.gpu_ms));
         }
         renderers
             .iter_mut()
@@ -78,18 +81,18 @@ impl RenderThread {
         &mut self,
         job: &Job,
         renderers: &mut [VariantRenderers],
-        still: &mut Accumulation,
+        accumulation: &mut Accumulation,
     ) -> Result<bool, RenderError> {
-        if still.own.is_none() && !self.own_pictures(job, renderers, still)? {
+        if accumulation.own.is_none() && !self.own_pictures(job, renderers, accumulation)? {
             return Ok(false);
         }
         let mut shown = Instant::now();
         let shared = self.shared.clone();
         let (size, job_number) = (job.variants[0].scene.image.size, job.number);
-        while still.means[0].count < MOST && !is_converged(still, job) {
+        while accumulation.means[0].count < MOST && !is_converged(accumulation, job) {
             let mut pictures = Vec::new();
-            let sub_frame = number(still.means[0].count);
-            still.gpu_ms = 0.0;
+            let sub_frame = number(accumulation.means[0].count);
+            accumulation.gpu_ms = 0.0;
             for (variant, renderers_of) in job.variants.iter().zip(&mut *renderers) {
                 let scene = reference(&variant.scene);
                 let stale = || shared.is_stale(job_number);
@@ -100,18 +103,18 @@ impl RenderThread {
                 let shared = shared.clone();
                 renderer.stop_where(move |_| shared.is_stale(job_number));
                 let frame = renderer.render_areas(&scene, &[Area::whole(size)], Some(sub_frame))?;
-                still.gpu_ms += frame.measurements.device_ms();
+                accumulation.gpu_ms += frame.measurements.device_ms();
                 pictures.push(frame.pixels);
             }
-            for (mean, pixels) in still.means.iter_mut().zip(&pictures) {
+            for (mean, pixels) in accumulation.means.iter_mut().zip(&pictures) {
                 mean.add(pixels);
             }
-            if still.means[0].count == 2 * FEWEST {
-                self.judge(still);
+            if accumulation.means[0].count == 2 * FEWEST {
+                self.judge(accumulation);
             }
-            let done = still.means[0].count == MOST || is_converged(still, job);
-            if !done && still.means[0].count >= FEWEST && shown.elapsed() >= SHOW_EVERY {
-                self.tell_mean(job, still, false);
+            let done = accumulation.means[0].count == MOST || is_converged(accumulation, job);
+            if !done && accumulation.means[0].count >= FEWEST && shown.elapsed() >= SHOW_EVERY {
+                self.send_mean(job, accumulation, false);
                 shown = Instant::now();
             }
             if self.shared.is_stale(job.number) {
@@ -121,7 +124,7 @@ impl RenderThread {
         Ok(true)
     }
 
-    /// Waits; returns whether the job is still current.
+    /// Waits; returns whether the job is accumulation current.
     fn rests(&self, job: &Job, calm: Duration) -> bool {
         let until = Instant::now() + calm;
         while !self.shared.is_stale(job.number) && Instant::now() < until {
@@ -131,11 +134,11 @@ impl RenderThread {
     }
 
     /// Reports fields without an effect, which takes a fraction of a second.
-    fn tell_ignored(&self, job: &Job) {
+    fn send_ignored(&self, job: &Job) {
         let Variant { scene, library, subject } = &job.variants[0];
         // Compiling a custom module takes a child process, which this is not worth.
         if scene.modules.is_empty() && **library == shipped() && !self.shared.is_stale(job.number) {
-            (self.tell)(Event::Ignored(ignored(library, subject, &nearest_preset(scene), scene)));
+            (self.send)(Event::Ignored(ignored(library, subject, &nearest_preset(scene), scene)));
         }
     }
 
@@ -144,15 +147,15 @@ impl RenderThread {
         &self,
         job: &Job,
         renderers: &mut [VariantRenderers],
-        still: &mut Accumulation,
+        accumulation: &mut Accumulation,
     ) -> Result<bool, RenderError> {
         let size = job.variants[0].scene.image.size;
-        let enlarged = |pixels: &Vec<[f32; 4]>| resampled(pixels, still.size, size, |at| at, [0.0; 4]);
-        let mut all = still.partial.take().unwrap_or_else(|| still.coarse.iter().map(enlarged).collect());
+        let enlarged = |pixels: &Vec<[f32; 4]>| resampled(pixels, accumulation.size, size, |at| at, [0.0; 4]);
+        let mut all = accumulation.partial.take().unwrap_or_else(|| accumulation.coarse.iter().map(enlarged).collect());
         let (mut gpu_ms, mut shown) = (0.0, Instant::now());
         for (index, variant) in job.variants.iter().enumerate() {
             if !renderers[index].own.is_ready(&variant.scene) && !self.rests(job, SHORT) {
-                still.partial = Some(all);
+                accumulation.partial = Some(all);
                 return Ok(false);
             }
             let mut pixels = std::mem::take(&mut all[index]);
@@ -162,25 +165,30 @@ impl RenderThread {
                     shown = Instant::now();
                     let of = |other: usize| if other == index { pixels } else { others[other].as_slice() };
                     let frames: Vec<&[[f32; 4]]> = (0..others.len()).map(of).collect();
-                    self.tell_picture(job, still, &frames, Picture::of(job, Stage::Partial, still.gpu_ms));
+                    self.send_picture(
+                        job,
+                        accumulation,
+                        &frames,
+                        Picture::of(job, Stage::Partial, accumulation.gpu_ms),
+                    );
                 }
             };
             let drawn = self.in_tiles(job, &variant.scene, &mut renderers[index].own, &mut pixels, &mut show)?;
             all[index] = pixels;
             let Some(drawn) = drawn else {
-                still.partial = Some(all);
+                accumulation.partial = Some(all);
                 return Ok(false);
             };
             gpu_ms += drawn.ms;
             if let (0, Some(measurements)) = (index, &drawn.measurements) {
-                (self.tell)(Event::Made(made_with(measurements, &variant.scene, &variant.subject, &variant.library)?));
+                (self.send)(Event::Made(made_with(measurements, &variant.scene, &variant.subject, &variant.library)?));
             }
         }
-        still.gpu_ms = gpu_ms;
+        accumulation.gpu_ms = gpu_ms;
         let frames: Vec<&[[f32; 4]]> = all.iter().map(Vec::as_slice).collect();
         let picture = Picture { error: self.own_error, ..Picture::of(job, Stage::Scene, gpu_ms) };
-        self.tell_picture(job, still, &frames, picture);
-        still.own = Some(all);
+        self.send_picture(job, accumulation, &frames, picture);
+        accumulation.own = Some(all);
         Ok(true)
     }
 
@@ -276,31 +284,36 @@ impl RenderThread {
     }
 
     /// Measures the errors of the preview and of the scene's own picture against the mean.
-    fn judge(&mut self, still: &mut Accumulation) {
-        let all = still.means.iter().zip(&still.coarse).zip(still.own.iter().flatten()).zip(&still.scenes);
+    fn judge(&mut self, accumulation: &mut Accumulation) {
+        let all = accumulation
+            .means
+            .iter()
+            .zip(&accumulation.coarse)
+            .zip(accumulation.own.iter().flatten())
+            .zip(&accumulation.scenes);
         let mut worst = [0.0f64; 2];
         for (((mean, coarse), own), scene) in all {
             let mean = mean.pixels();
-            let coarse = resampled(coarse, still.size, scene.image.size, |at| at, [0.0; 4]);
+            let coarse = resampled(coarse, accumulation.size, scene.image.size, |at| at, [0.0; 4]);
             worst[0] = worst[0].max(rms_difference(&coarse, &mean));
             worst[1] = worst[1].max(rms_difference(own, &mean));
         }
-        self.coarse_error = still.level.map(|level| (worst[0], level)).or(self.coarse_error);
+        self.coarse_error = accumulation.level.map(|level| (worst[0], level)).or(self.coarse_error);
         self.own_error = Some(worst[1]);
     }
 
-    fn tell_mean(&self, job: &Job, still: &Accumulation, done: bool) {
-        let count = still.means[0].count;
-        let means: Vec<_> = still.means.iter().map(Mean::pixels).collect();
+    fn send_mean(&self, job: &Job, accumulation: &Accumulation, done: bool) {
+        let count = accumulation.means[0].count;
+        let means: Vec<_> = accumulation.means.iter().map(Mean::pixels).collect();
         let frames: Vec<&[[f32; 4]]> = means.iter().map(Vec::as_slice).collect();
         let stage = if done { Stage::Converged(count) } else { Stage::Refined(count) };
-        let worst = |of: fn(&Mean) -> Option<f64>| still.means.iter().filter_map(of).reduce(f64::max);
+        let worst = |of: fn(&Mean) -> Option<f64>| accumulation.means.iter().filter_map(of).reduce(f64::max);
         let (error, standard_error) = (worst(Mean::error), worst(Mean::standard_error));
-        self.tell_picture(
+        self.send_picture(
             job,
-            still,
+            accumulation,
             &frames,
-            Picture { error, standard_error, ..Picture::of(job, stage, still.gpu_ms) },
+            Picture { error, standard_error, ..Picture::of(job, stage, accumulation.gpu_ms) },
         );
     }
 }
@@ -314,7 +327,7 @@ fn bands([width, height]: [u32; 2]) -> Vec<Area> {
 }
 
 /// Whether the means are within the error target, after at least two doublings.
-fn is_converged(still: &Accumulation, job: &Job) -> bool {
+fn is_converged(accumulation: &Accumulation, job: &Job) -> bool {
     let good = |mean: &Mean| mean.count >= 2 * FEWEST && mean.error().is_some_and(|error| error <= job.max_error);
-    still.means.iter().all(good)
+    accumulation.means.iter().all(good)
 }

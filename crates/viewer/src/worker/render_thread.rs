@@ -19,14 +19,14 @@ use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 /// Sends an event to the window.
-type Tell = Box<dyn Fn(Event) + Send + Sync>;
+type SendEvent = Box<dyn Fn(Event) + Send + Sync>;
 
 /// The render thread.
 pub(super) struct RenderThread {
     pub(super) gpu: Gpu,
     gate: Arc<Gate>,
     pub(super) shared: Arc<Shared>,
-    pub(super) tell: Tell,
+    pub(super) send: SendEvent,
     pub(super) budget: Budget,
     /// Measured error of the last preview, and its level.
     pub(super) coarse_error: Option<(f64, Level)>,
@@ -49,7 +49,7 @@ pub(super) struct Accumulation {
     pub(super) means: Vec<Mean>,
     pub(super) gpu_ms: f64,
     /// Whether fields without an effect were reported.
-    pub(super) told: bool,
+    pub(super) reported: bool,
     /// Validity of the first own picture.
     pub(super) validity: Option<measure::validity::Validity>,
 }
@@ -67,7 +67,7 @@ impl Accumulation {
             own: None,
             means,
             gpu_ms: 0.0,
-            told: false,
+            reported: false,
             validity: None,
         }
     }
@@ -98,9 +98,9 @@ fn scenes(job: &Job) -> Vec<Scene> {
 }
 
 impl RenderThread {
-    pub(super) fn new(gpu: Gpu, gate: Arc<Gate>, shared: Arc<Shared>, budget_ms: f64, tell: Tell) -> RenderThread {
+    pub(super) fn new(gpu: Gpu, gate: Arc<Gate>, shared: Arc<Shared>, budget_ms: f64, send: SendEvent) -> RenderThread {
         let budget = Budget::new(budget_ms, gpu.info().cpu);
-        RenderThread { gpu, gate, shared, tell, budget, coarse_error: None, own_error: None }
+        RenderThread { gpu, gate, shared, send, budget, coarse_error: None, own_error: None }
     }
 
     pub(super) fn run(mut self) {
@@ -131,11 +131,11 @@ impl RenderThread {
         }
     }
 
-    /// Reports an error; returns whether the device is still there.
+    /// Reports an error; returns whether the device is accumulation there.
     fn survives(&self, done: Result<(), RenderError>) -> bool {
         let Err(error) = done else { return true };
         let lost = matches!(&error, RenderError::Gpu(error) if error.is_lost());
-        (self.tell)(if lost { Event::Lost } else { Event::Failed(error.to_string()) });
+        (self.send)(if lost { Event::Lost } else { Event::Failed(error.to_string()) });
         !lost
     }
 
@@ -145,9 +145,9 @@ impl RenderThread {
         let own = job.variants.clone();
         let mut renderers: Vec<VariantRenderers> =
             job.variants.iter().map(|variant| VariantRenderers::new(&gpu, variant)).collect();
-        let mut still = None;
+        let mut accumulation = None;
         loop {
-            let done = self.picture(&job, &mut renderers, &mut still);
+            let done = self.picture(&job, &mut renderers, &mut accumulation);
             if !self.survives(done) {
                 return None;
             }
@@ -165,20 +165,20 @@ impl RenderThread {
         &mut self,
         job: &Job,
         renderers: &mut [VariantRenderers],
-        still: &mut Option<Accumulation>,
+        accumulation: &mut Option<Accumulation>,
     ) -> Result<(), RenderError> {
-        if still.as_ref().is_none_or(|still| still.scenes != scenes(job)) {
-            let before = still.take();
+        if accumulation.as_ref().is_none_or(|accumulation| accumulation.scenes != scenes(job)) {
+            let before = accumulation.take();
             if !job.variants.iter().all(|variant| self.admits(&variant.scene, &variant.library)) {
                 return Ok(());
             }
-            *still = match before.filter(|before| before.is_resized_by(job)) {
+            *accumulation = match before.filter(|before| before.is_resized_by(job)) {
                 Some(before) => Some(self.resized(job, &before)?),
                 None => self.preview(job, renderers)?,
             };
         }
-        match still {
-            Some(still) if !job.moving => self.refine(job, renderers, still),
+        match accumulation {
+            Some(accumulation) if !job.moving => self.refine(job, renderers, accumulation),
             _ => Ok(()),
         }
     }
@@ -190,7 +190,7 @@ impl RenderThread {
             Err(CompileError::Abandoned) => false,
             Err(error) => {
                 let reason = error.to_string();
-                (self.tell)(Event::Refused(reason.lines().next().unwrap_or_default().into()));
+                (self.send)(Event::Refused(reason.lines().next().unwrap_or_default().into()));
                 false
             }
         }
@@ -225,21 +225,21 @@ impl RenderThread {
             }
             let (size, samples) = (frames[0].size, frames[0].measurements.slices);
             let coarse: Vec<Vec<[f32; 4]>> = frames.into_iter().map(|frame| frame.pixels).collect();
-            let mut still = Accumulation::of(job, sights, coarse, size);
-            (still.level, still.gpu_ms) = (Some(level), device);
-            self.shared.told.store(job.number, Ordering::Relaxed);
+            let mut accumulation = Accumulation::of(job, sights, coarse, size);
+            (accumulation.level, accumulation.gpu_ms) = (Some(level), device);
+            self.shared.reported.store(job.number, Ordering::Relaxed);
             let error = self.coarse_error.filter(|(_, of)| *of == level).map(|(error, _)| error);
-            let pictures: Vec<&[[f32; 4]]> = still.coarse.iter().map(Vec::as_slice).collect();
-            self.tell_picture(
+            let pictures: Vec<&[[f32; 4]]> = accumulation.coarse.iter().map(Vec::as_slice).collect();
+            self.send_picture(
                 job,
-                &still,
+                &accumulation,
                 &pictures,
                 Picture { size, samples, error, ..Picture::of(job, Stage::Coarse, device) },
             );
             let ms = start.elapsed().as_secs_f64() * 1e3 - compile_ms;
             log::debug!("preview {:?}: {device:.1} ms on the device of {ms:.1} ms", size);
             self.budget.took(first, device, ms - device);
-            return Ok(Some(still));
+            return Ok(Some(accumulation));
         }
     }
 
@@ -252,13 +252,19 @@ impl RenderThread {
             let place = |at: [f32; 2]| new.moved(old, at.map(|part| 2.0 * part - 1.0)).map(|place| 0.5 + 0.5 * place);
             resampled(pixels, from, size, place, [0.0; 4])
         });
-        let still = Accumulation::of(job, sights.clone(), all.collect(), size);
-        let pictures: Vec<&[[f32; 4]]> = still.coarse.iter().map(Vec::as_slice).collect();
-        self.tell_picture(job, &still, &pictures, Picture::of(job, Stage::Partial, 0.0));
-        Ok(still)
+        let accumulation = Accumulation::of(job, sights.clone(), all.collect(), size);
+        let pictures: Vec<&[[f32; 4]]> = accumulation.coarse.iter().map(Vec::as_slice).collect();
+        self.send_picture(job, &accumulation, &pictures, Picture::of(job, Stage::Partial, 0.0));
+        Ok(accumulation)
     }
 
-    pub(super) fn tell_picture(&self, job: &Job, still: &Accumulation, frames: &[&[[f32; 4]]], mut picture: Picture) {
+    pub(super) fn send_picture(
+        &self,
+        job: &Job,
+        accumulation: &Accumulation,
+        frames: &[&[[f32; 4]]],
+        mut picture: Picture,
+    ) {
         let backgrounds: Vec<_> = job.variants.iter().map(|variant| variant.scene.image.background).collect();
         picture.images = encode_srgb(frames, &backgrounds, picture.size);
         picture.difference = match frames {
@@ -267,8 +273,8 @@ impl RenderThread {
             _ => None,
         };
         picture.frames = frames.iter().map(|pixels| Arc::from(*pixels)).collect();
-        picture.sight = still.sights.first().copied();
-        (self.tell)(Event::Picture(Box::new(picture)));
+        picture.sight = accumulation.sights.first().copied();
+        (self.send)(Event::Picture(Box::new(picture)));
     }
 }
 

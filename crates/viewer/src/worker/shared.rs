@@ -23,7 +23,7 @@ pub(super) struct Shared {
     /// Whether a turntable or a search stops.
     pub(super) stop: AtomicBool,
     /// The jobs of the last reported preview, and of the last shown picture.
-    pub(super) told: AtomicU64,
+    pub(super) reported: AtomicU64,
     pub(super) shown: AtomicU64,
 }
 
@@ -45,7 +45,7 @@ impl Shared {
     /// Waits until the window shows the last preview: on a CPU device, the next one would delay it.
     pub(super) fn wait_until_shown(&self) {
         let until = Instant::now() + SHOWN;
-        while self.shown.load(Ordering::Relaxed) < self.told.load(Ordering::Relaxed) && Instant::now() < until {
+        while self.shown.load(Ordering::Relaxed) < self.reported.load(Ordering::Relaxed) && Instant::now() < until {
             thread::sleep(LOOK);
         }
     }

@@ -38,7 +38,7 @@ impl RenderThread {
     }
 
     /// Sends the picture with its validity colors and their legend.
-    pub(super) fn tell_validity(&self, job: &Job, validity: &Validity, own: &[[f32; 4]], gpu_ms: f64) {
+    pub(super) fn send_validity(&self, job: &Job, validity: &Validity, own: &[[f32; 4]], gpu_ms: f64) {
         let picture = Picture::of(job, Stage::Validity, gpu_ms);
         let images = vec![ColorImage::from_rgb(picture.size.map(|side| side as usize), &validity.colors(own))];
         let trusted = format!(
@@ -50,7 +50,7 @@ impl RenderThread {
         };
         let lines = validity.found.iter().filter(|found| found.pixels > 0).map(line);
         let validity = std::iter::once((GREY, trusted)).chain(lines).collect();
-        (self.tell)(Event::Picture(Box::new(Picture { images, validity, ..picture })));
+        (self.send)(Event::Picture(Box::new(Picture { images, validity, ..picture })));
     }
 
     /// The picture of a scene with the object of the job; `None` if the job is stale.
