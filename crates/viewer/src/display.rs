@@ -192,7 +192,7 @@ impl Guard {
             "{}",
             match reason {
                 Some(reason) => ViewError::Window(format!("{reason}{kept}")),
-                None => ViewError::Ended { display: self.display.name(), kept },
+                None => ViewError::Ended(self.display.name(), kept),
             }
         );
         process::exit(NO_WINDOW.into());

@@ -24,17 +24,13 @@ pub enum ViewError {
     NoKeyboards(String),
     /// No driver supports the color depth of the screen.
     #[error(
-        "the screen of display {display} has {depth} bits for a pixel, and no Vulkan driver here draws into a window of \
+        "the screen of display {0} has {1} bits for a pixel, and no Vulkan driver here draws into a window of \
          that depth; use a screen of 24 bits, as `xvfb-run -a -s \"-screen 0 1280x1024x24\" hypertexture view ...` does"
     )]
-    Depth { display: String, depth: u8 },
-    /// The display has ended.
-    #[error("the display {display} has ended, and the window with it{kept}")]
-    Ended {
-        display: String,
-        /// Path of the unsaved work, as the end of the sentence.
-        kept: String,
-    },
+    Depth(String, u8),
+    /// The display has ended; the second text is the path of the unsaved work, as the end of the sentence.
+    #[error("the display {0} has ended, and the window with it{1}")]
+    Ended(String, String),
     /// The window system reports an error.
     #[error("the window could not be opened: {0}")]
     Window(String),
@@ -51,9 +47,9 @@ pub enum ViewError {
     #[error("{0}")]
     Failed(String),
     /// A script is invalid, or names a missing control.
-    #[error("{file}:{line}: {reason}")]
-    Script { file: String, line: usize, reason: String },
+    #[error("{0}:{1}: {2}")]
+    Script(String, usize, String),
     /// The validation layer has reported messages.
-    #[error("the validation layer reported {count} messages, the first: {first}")]
-    Validation { count: usize, first: String },
+    #[error("the validation layer reported {0} messages, the first: {1}")]
+    Validation(usize, String),
 }

@@ -113,7 +113,7 @@ pub fn run(start: Start) -> Result<(), ViewError> {
     let said: Vec<String> = messages.iter().flat_map(Messages::take).collect();
     match said.first() {
         None => Ok(()),
-        Some(first) => Err(ViewError::Validation { count: said.len(), first: first.clone() }),
+        Some(first) => Err(ViewError::Validation(said.len(), first.clone())),
     }
 }
 
@@ -217,7 +217,7 @@ impl EventHandler {
             WindowState::new(&self.start, window, self.notify.clone(), self.script.is_some()).map_err(|error| {
                 match self.display.depth() {
                     Some(depth) if matches!(error, ViewError::Gpu(GpuError::NoPresent)) && !DEPTHS.contains(&depth) => {
-                        ViewError::Depth { display: self.display.name(), depth }
+                        ViewError::Depth(self.display.name(), depth)
                     }
                     _ => error,
                 }

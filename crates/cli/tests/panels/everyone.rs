@@ -1,4 +1,4 @@
-//! What a newcomer needs: presets, words, the keyboard alone, small windows.
+//! Beginners: presets, terms, keyboard control, small windows.
 
 use super::Hand;
 use egui::Key;
@@ -24,7 +24,7 @@ fn every_preset_is_taken_on_the_object_of_every_other() {
         for pass in [scene::Pass::March, scene::Pass::Slices] {
             let mut start = preset(from).unwrap();
             start.quality.pass = pass;
-            // Not every example can be drawn by slices.
+            // Some presets do not support slices.
             let Ok(mut model) = Model::new(start, shader::shipped()) else { continue };
             for name in &names {
                 let before = model.scene().clone();
@@ -66,7 +66,7 @@ fn a_parameter_goes_back_to_what_the_preset_says() {
         hand.click(&format!("parameters.{name}.reset"));
         assert_eq!(hand.scene().parameters[name], own[name]);
     }
-    // What the preset does not say is what the module says.
+    // The default of a parameter that the preset does not set is that of its module.
     let model = hand.model();
     let (parameter, before) = model.parameters(None).iter().find(|(own, _)| own.name == "sheen").unwrap();
     let (parameter, before) = (parameter.clone(), before.clone());
@@ -131,7 +131,7 @@ fn azimuth_and_elevation_follow_a_turn_and_asking_for_one_keeps_the_other() {
     let rotation = turned.turn().to_array();
     hand.model().edit("camera", |scene| scene.camera.rotation = Some(rotation));
     hand.0.run_steps(2);
-    // Both are idle then, and are there all the same.
+    // Both are idle, and still have controls.
     hand.0.state_mut().status.idle = vec!["camera.azimuth".into(), "camera.elevation".into()];
     hand.0.run_steps(2);
     let value = |hand: &Hand, name: &str| hand.0.get_by_label(name).accesskit_node().numeric_value().unwrap();
@@ -188,7 +188,7 @@ fn messages_have_a_place_of_their_own_and_the_picture_keeps_its_size() {
     }
     assert_eq!(hand.rect("undo"), line);
     hand.picture("messages");
-    // The next change is taken: what went wrong no longer holds.
+    // The next change is accepted, which ends the error.
     hand.set("parameters.sheen", 0.5);
     assert!(hand.0.query_all_by_value("something went wrong").next().is_none());
 }
@@ -210,7 +210,7 @@ fn of_a_small_window_the_picture_keeps_most_and_panels_hide() {
     assert!(has(&hand, "undo"));
 }
 
-/// Names of the controls that the keys reach, by Tab alone, until it comes around.
+/// Names of the controls in the order of the Tab key.
 fn by_tab(hand: &mut Hand) -> BTreeSet<String> {
     let mut reached = BTreeSet::new();
     let mut fresh = 0;
@@ -306,7 +306,7 @@ fn final_pictures_are_rendered_beside_the_window() {
     hand.set("final.supersampling", 1.0);
     hand.picture("final");
     hand.click("final.render");
-    // It ends with the window, which asks for that.
+    // The process ends with the window, which asks first.
     hand.click("quit");
     assert_eq!(hand.0.state().requests, []);
     hand.click("ask.no");
@@ -345,7 +345,7 @@ fn nothing_is_wider_than_the_panel_however_narrow_the_window_is() {
         hand.click("Made with");
         hand.0.set_size(egui::vec2(width, 7000.0));
         hand.0.run_steps(8);
-        // What is in the panel is right of the picture, and not below it.
+        // The panel is at the right of the picture.
         let left = hand.0.state().left;
         let is_control = |role| ![Role::GenericContainer, Role::Window, Role::TextRun, Role::Unknown].contains(&role);
         let all = hand.0.query_all_by(|node| is_control(node.role()));

@@ -46,7 +46,7 @@ impl Script {
         for (number, line) in (1..).zip(text.lines()) {
             let line = line.split('#').next().unwrap_or_default().trim();
             if !line.is_empty() {
-                let fail = |reason| ViewError::Script { file: name.clone(), line: number, reason };
+                let fail = |reason| ViewError::Script(name.clone(), number, reason);
                 steps.push_back((number, parse(line).map_err(fail)?));
             }
         }
@@ -71,7 +71,7 @@ impl Script {
             return Ok(Some(ScriptEvent::Events(events)));
         }
         let Some((line, step)) = self.steps.front().cloned() else { return Ok(None) };
-        let fail = |reason: String| ViewError::Script { file: self.file.clone(), line, reason };
+        let fail = |reason: String| ViewError::Script(self.file.clone(), line, reason);
         if let Some(reason) = &app.failure {
             return Err(fail(reason.clone()));
         }
