@@ -22,13 +22,13 @@ const MAX_SAID: u64 = 1 << 16;
 
 /// Kind of the output.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Product {
+pub(super) enum Kind {
     /// One picture.
     Picture,
     /// Numbered pictures.
-    Sequence(Motion),
+    Sequence,
     /// Numbered pictures and a video of them.
-    Video(Motion),
+    Video,
 }
 
 /// Animation of a sequence.
@@ -42,22 +42,14 @@ pub(super) struct Motion {
     pub(super) restart: bool,
 }
 
-impl Product {
-    /// The animation; a picture has none.
-    pub(super) fn motion(&self) -> Option<&Motion> {
-        match self {
-            Product::Picture => None,
-            Product::Sequence(motion) | Product::Video(motion) => Some(motion),
-        }
-    }
-}
-
 /// A request for final pictures.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Order {
     /// The scene, with its size and samples.
     pub(super) scene: Scene,
-    pub(super) product: Product,
+    pub(super) kind: Kind,
+    /// The animation; a picture has none.
+    pub(super) motion: Option<Motion>,
     /// Error target that replaces the samples.
     pub(super) max_error: Option<f64>,
     /// Path of the picture, of the frames with `####` for their number, or of the video.
@@ -67,8 +59,8 @@ pub(super) struct Order {
 impl Order {
     /// Path of the pictures; those of a video are next to it.
     pub(super) fn pictures(&self) -> PathBuf {
-        match self.product {
-            Product::Video(_) => {
+        match self.kind {
+            Kind::Video => {
                 let stem = self.path.file_stem().unwrap_or_default().to_string_lossy().replace('#', "");
                 self.path.with_file_name(format!("{stem}_####.png"))
             }
@@ -78,8 +70,8 @@ impl Order {
 
     /// The first file that is written.
     pub(super) fn first(&self) -> PathBuf {
-        match self.product {
-            Product::Picture => self.path.clone(),
+        match self.kind {
+            Kind::Picture => self.path.clone(),
             _ => frame_path(&self.pictures(), 0),
         }
     }
@@ -90,8 +82,8 @@ impl Order {
         if let Some(error) = self.max_error {
             words.extend(["--max-error".into(), error.to_string()]);
         }
-        if let Some(Motion { frames, fps, turntable, restart }) = self.product.motion() {
-            let range = format!("0..{}", frames.max(&1) - 1);
+        if let Some(Motion { frames, fps, turntable, restart }) = self.motion {
+            let range = format!("0..{}", frames.max(1) - 1);
             words.extend(["--frames".into(), range, "--fps".into(), fps.to_string()]);
             words.extend(turntable.then(|| "--turntable".into()));
             words.extend(restart.then(|| "--restart".into()));
@@ -199,7 +191,7 @@ impl Rendering {
 
     /// Number of finished frames and of all frames; `None` for a picture.
     pub(super) fn frames(&self) -> Option<(u32, u32)> {
-        let all = self.order.product.motion()?.frames;
+        let all = self.order.motion?.frames;
         let lines = open::text(&manifest_path(&self.order.pictures(), None), MAX_MANIFEST).ok()?;
         Some(((lines.lines().count() as u32).saturating_sub(1).min(all), all))
     }
@@ -209,7 +201,7 @@ impl Rendering {
         if let Err(reason) = self.process.poll()? {
             return Some(Err(reason));
         }
-        if let (Product::Video(motion), false) = (self.order.product, self.is_last) {
+        if let (Kind::Video, Some(motion), false) = (self.order.kind, self.order.motion, self.is_last) {
             self.is_last = true;
             return match Process::start(&mut ffmpeg(&self.order.pictures(), motion.fps, &self.order.path)) {
                 Ok(process) => {
@@ -247,12 +239,17 @@ mod tests {
     #[test]
     fn an_order_is_what_a_person_would_type() {
         let motion = Motion { frames: 100, fps: 25.0, turntable: true, restart: false };
-        let order =
-            |product, path: &str| Order { scene: Scene::default(), product, max_error: None, path: path.into() };
-        let picture = Order { max_error: Some(0.004), ..order(Product::Picture, "a.png") };
+        let order = |kind, motion, path: &str| Order {
+            scene: Scene::default(),
+            kind,
+            motion,
+            max_error: None,
+            path: path.into(),
+        };
+        let picture = Order { max_error: Some(0.004), ..order(Kind::Picture, None, "a.png") };
         assert_eq!(picture.arguments(), ["--output", "a.png", "--max-error", "0.004"]);
         assert_eq!(picture.first(), Path::new("a.png"));
-        let video = order(Product::Video(motion), "out/turn.mp4");
+        let video = order(Kind::Video, Some(motion), "out/turn.mp4");
         let words = ["--output", "out/turn_####.png", "--frames", "0..99", "--fps", "25", "--turntable"];
         assert_eq!((video.arguments(), video.first()), (words.map(String::from).into(), "out/turn_0000.png".into()));
         let command = ffmpeg(&video.pictures(), 25.0, &video.path);

@@ -2,7 +2,7 @@
 
 use super::status::Status;
 use super::widgets::{Field, button, field, fit, named, number, switch};
-use crate::finals::{BEHIND, Motion, Order, Product, Rendering, is_installed};
+use crate::finals::{BEHIND, Kind, Motion, Order, Rendering, is_installed};
 use crate::message::Message;
 use crate::model::Model;
 use egui::{DragValue, Id, RichText, TextEdit, Ui, Window};
@@ -19,14 +19,6 @@ const FIRST_ERROR: f64 = 1e-3;
 
 /// Whether ffmpeg is installed.
 static FFMPEG: LazyLock<bool> = LazyLock::new(|| is_installed("ffmpeg"));
-
-/// Kind of the output.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Kind {
-    Picture,
-    Sequence,
-    Video,
-}
 
 /// State of the dialog.
 pub(super) struct Finals {
@@ -87,15 +79,12 @@ impl Finals {
         scene.image.size = self.size.unwrap_or(scene.image.size);
         scene.quality.samples = self.samples.unwrap_or(scene.quality.samples);
         scene.quality.supersampling = self.supersampling;
-        let product = match self.kind {
-            Kind::Picture => Product::Picture,
-            Kind::Sequence => Product::Sequence(self.motion),
-            Kind::Video => {
-                scene.image.background.get_or_insert(BEHIND);
-                Product::Video(self.motion)
-            }
-        };
-        Order { scene, product, max_error: self.max_error, path: PathBuf::from(self.path.trim()) }
+        if self.kind == Kind::Video {
+            scene.image.background.get_or_insert(BEHIND);
+        }
+        let motion = (self.kind != Kind::Picture).then_some(self.motion);
+        let path = PathBuf::from(self.path.trim());
+        Order { scene, kind: self.kind, motion, max_error: self.max_error, path }
     }
 
     /// Shows the dialog if it is open, and polls the process.
