@@ -3,13 +3,12 @@
 //! Role: a scene and an order -> `hypertexture render`, then ffmpeg for a video. Invariants: a stopped order leaves
 //! whole files or none; the process ends with the [`Rendering`].
 
-use super::background::{Background, Notify};
+use super::background::{Background, silent};
 use hypertexture::output::sequence::{frame_path, manifest_path};
 use hypertexture::scene::{self, Color, Scene};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::sync::Arc;
 use std::time::Instant;
 use support::{disk_cache, open, write_whole};
 
@@ -121,9 +120,8 @@ impl Process {
         command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
         let mut child = command.spawn().map_err(|error| format!("{name}: {error}"))?;
         give_way(&child);
-        let silent: Notify = Arc::new(|| ());
         let stderr = child.stderr.take().map(|pipe| {
-            Background::start(&silent, move |task| {
+            Background::start(&silent(), move |task| {
                 let mut said = String::new();
                 // Output that is not UTF-8 or too long is dropped.
                 let _ = pipe.take(MAX_SAID).read_to_string(&mut said);

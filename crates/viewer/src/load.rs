@@ -145,12 +145,9 @@ fn end_at(object: &mut Object, values: &mut BTreeMap<String, ParameterValue>, pa
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::background::silent;
     use hypertexture::{scene, shader};
     use std::time::{Duration, Instant};
-
-    fn silent() -> Notify {
-        Arc::new(|| ())
-    }
 
     fn wait(loader: &mut Loader, scene: &Scene, library: &Arc<Library>) -> Result<Arc<Subject>, String> {
         let start = Instant::now();

@@ -3,7 +3,7 @@
 use super::files::{is_identifier, read, renamed, stamp};
 use super::gate::Gate;
 use super::trial;
-use crate::background::{Background, Notify};
+use crate::background::{Background, silent};
 use crate::model::Model;
 use hypertexture::shader::compile::{CompileError, Fault};
 use hypertexture::shader::{self, Library};
@@ -362,8 +362,8 @@ impl Author {
         match trial::scene_with(model.scene(), &library, &self.slot, &self.name) {
             Ok(Some(scene)) => {
                 self.state = State::Compiling;
-                let (gate, silent): (_, Notify) = (self.gate.clone(), Arc::new(|| ()));
-                self.check = Some(Background::start(&silent, move |task| {
+                let gate = self.gate.clone();
+                self.check = Some(Background::start(&silent(), move |task| {
                     task.send(gate.validate(&scene, &library, &|| task.is_cancelled()));
                 }));
             }
