@@ -50,7 +50,7 @@ impl Display {
     /// The display of the environment: a Wayland compositor that answers, else an X server.
     ///
     /// # Errors
-    /// Neither answers, the server lacks an extension, or the data of xkb are missing.
+    /// Neither display answers, the X server lacks an extension, or the xkb data are missing.
     pub(super) fn find() -> Result<Display, ViewError> {
         let display = Display::answering()?;
         if !has_keyboard_data() {

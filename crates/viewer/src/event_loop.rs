@@ -37,8 +37,8 @@ struct Wake;
 /// Shows a window until it is closed.
 ///
 /// # Errors
-/// No display, library, loader or driver: one line that says what to do. With [`Start::frames`], a screenshot or a script,
-/// whatever they run into; and what the validation layer has found.
+/// There is no display, library, loader or driver; a script, or [`Start::frames`] with its screenshot, has failed; or the
+/// validation layer has reported messages.
 pub fn run(start: Start) -> Result<(), ViewError> {
     let script = match &start.script {
         Some(file) => Some(Script::read(file)?),

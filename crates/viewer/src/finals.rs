@@ -169,7 +169,7 @@ impl Rendering {
     /// Starts `program`, the executable of hypertexture.
     ///
     /// # Errors
-    /// One line: the scene cannot be written, or the program not be started.
+    /// The scene cannot be written, or the program cannot be started.
     pub(super) fn start(program: &Path, order: Order) -> Result<Rendering, String> {
         let folder = disk_cache::default_folder().unwrap_or_else(std::env::temp_dir).join("final");
         let file = folder.join(format!("{}.toml", std::process::id()));

@@ -31,7 +31,7 @@ impl Unsaved {
     /// that folder.
     ///
     /// # Errors
-    /// The folder cannot be written to.
+    /// The folder cannot be written.
     pub fn keep(&self, folder: &Path) -> Result<bool, String> {
         let mut files = self.texts.clone();
         if let Some(mut scene) = self.scene.clone() {

@@ -101,7 +101,7 @@ impl App {
             Request::MaxError(error) => {
                 (self.max_error, self.tasks.pick) = (error, error);
                 if self.figures.picking.is_some() {
-                    self.stop(); // what is looked for is no longer asked for
+                    self.stop(); // the search was for the old target
                 }
             }
             Request::Densities => {

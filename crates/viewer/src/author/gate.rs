@@ -43,7 +43,7 @@ impl Gate {
     /// ones.
     ///
     /// # Errors
-    /// Why not; [`CompileError::Abandoned`] once `is_stale` says yes.
+    /// The reason for a refusal; [`CompileError::Abandoned`] if `is_stale` returns true.
     pub fn validate(&self, scene: &Scene, library: &Library, is_stale: &dyn Fn() -> bool) -> Result<(), CompileError> {
         if *library == self.shipped {
             return Ok(());

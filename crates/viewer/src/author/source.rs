@@ -73,7 +73,7 @@ impl Author {
     /// Edits a module of the library. `program` is the executable that compiles: [`std::env::current_exe`].
     ///
     /// # Errors
-    /// There is no such module.
+    /// The module does not exist.
     pub fn new(program: PathBuf, library: &Library, slot: &str, name: &str) -> Result<Author, shader::LibraryError> {
         let path = library.path(slot, name)?;
         let text = library.source(&path).unwrap_or_default().to_string();
@@ -182,7 +182,7 @@ impl Author {
     /// Creates a module from this text and renames its function.
     ///
     /// # Errors
-    /// The name is none that GLSL and scene files bear, or there is such a module.
+    /// The name is invalid or in use.
     pub fn fork(&mut self, library: &Library, name: &str) -> Result<(), String> {
         if !is_identifier(name) {
             return Err(format!("invalid module name `{name}`: use a-z, 0-9 and _, starting with a letter"));
@@ -202,7 +202,7 @@ impl Author {
     /// the file names the module.
     ///
     /// # Errors
-    /// The file cannot be read, or its name is none of a module.
+    /// The file cannot be read, or its name is not a valid module name.
     pub fn watch(&mut self, library: &Library, path: &Path) -> Result<(), String> {
         let name = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
         if !is_identifier(name) || path.extension().is_none_or(|end| end != "glsl") {

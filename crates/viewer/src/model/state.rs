@@ -40,7 +40,7 @@ impl Model {
     /// A model of a scene.
     ///
     /// # Errors
-    /// What [`Scene::check`] and [`Scene::check_parts`] find.
+    /// Errors of [`Scene::check`] and [`Scene::check_parts`].
     pub fn new(scene: Scene, library: Library) -> Result<Model, SceneError> {
         let (parameters, parts) = checked(&scene, &library)?;
         let saved = scene.clone();
@@ -207,7 +207,7 @@ impl Model {
     /// their new ranges.
     ///
     /// # Errors
-    /// The scene cannot be made of these modules; nothing has changed then.
+    /// The scene is invalid with these modules; nothing is changed.
     pub fn set_library(&mut self, library: Library) -> Result<(), SceneError> {
         let mut scene = self.scene.clone();
         normalize(&mut scene, &library)?;

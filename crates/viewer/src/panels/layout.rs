@@ -55,7 +55,7 @@ impl Panels {
     /// Panels for a model. `program` is the executable of hypertexture, which compiles edited modules.
     ///
     /// # Errors
-    /// The library has no module that an editor could begin with.
+    /// The library lacks the first module of the effect.
     pub fn new(program: PathBuf, model: &Model) -> Result<Panels, hypertexture::shader::LibraryError> {
         let effect = &model.scene().effect;
         let first = effect.dmf.first().map(|name| ("dmf", name.split('@').next().unwrap_or_default()));

@@ -42,7 +42,7 @@ impl RenderThread {
         let picture = Picture::of(job, Stage::Validity, gpu_ms);
         let images = vec![ColorImage::from_rgb(picture.size.map(|side| side as usize), &validity.colors(own))];
         let trusted = format!(
-            "{:.1} % change by less than {TRUSTED:.1e} whatever is made better; what bounds leave open, render --validity shows",
+            "{:.1} % change by less than {TRUSTED:.1e} with any better setting; render --validity also shows unresolved bounds",
             validity.trusted()
         );
         let line = |Found { cause, pixels, .. }: &Found| {
