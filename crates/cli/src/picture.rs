@@ -6,7 +6,7 @@ use hypertexture::gpu::Gpu;
 use hypertexture::output::shard::{self, Shard};
 use hypertexture::output::{Depth, Provenance, encode_png, write};
 use hypertexture::render::variant::Variant;
-use hypertexture::render::{FINITE, Frame, ModuleFault, Renderer, Subject, warnings, half_height, octaves_held};
+use hypertexture::render::{FINITE, Frame, ModuleFault, Renderer, Subject, half_height, octaves_held, warnings};
 use hypertexture::scene::schema::{Kind, setting};
 use hypertexture::scene::{Pass, Scene};
 use hypertexture::shader::Library;

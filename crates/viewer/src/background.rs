@@ -16,6 +16,11 @@ const STACK: usize = 16 << 20;
 /// Wakes the window from another thread.
 pub(super) type Notify = Arc<dyn Fn() + Send + Sync>;
 
+/// A notification without effect, for an owner that polls by itself.
+pub(super) fn silent() -> Notify {
+    Arc::new(|| ())
+}
+
 /// A computation on a thread, which yields any number of values. Dropping it cancels the computation.
 pub(super) struct Background<T> {
     cancelled: Arc<AtomicBool>,

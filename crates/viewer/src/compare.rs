@@ -1,44 +1,43 @@
-//! How two variants are looked at: with a line between them that is moved, by their difference, or one after the other.
+//! Comparison of two variants: with a movable divider, by their difference, or one at a time.
 
 use super::panels::widgets::named;
 use egui::{Align2, Area, Color32, CursorIcon, FontId, Frame, Id, Rect, Sense, Slider, Stroke, Ui, Vec2, pos2, vec2};
 
-/// What is shown of two variants.
+/// Display mode of a comparison.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CompareMode {
-    /// The kept one left of a line, the one that is edited right of it.
+    /// The pinned variant left of a divider, the edited one right of it.
     #[default]
     Wipe,
-    /// Their difference, enlarged.
+    /// The amplified difference.
     Difference,
-    /// The one that is edited.
+    /// The edited variant.
     Now,
-    /// The one that was kept.
+    /// The pinned variant.
     Kept,
 }
 
-/// Every way to look, with what it is called.
+/// Display modes with label and tooltip.
 const MODES: [(CompareMode, &str, &str); 4] = [
-    (CompareMode::Wipe, "wipe", "The kept variant left of a line, the one that is edited right of it."),
+    (CompareMode::Wipe, "wipe", "The pinned variant left of a divider, the edited one right of it."),
     (
         CompareMode::Difference,
         "difference",
-        "The absolute difference in linear light, or of opacity where that is more, times the gain.",
+        "The absolute difference in linear light, or of the opacity if that is larger, times the gain.",
     ),
-    (CompareMode::Now, "now", "The variant that is edited."),
-    (CompareMode::Kept, "kept", "The variant that was kept."),
+    (CompareMode::Now, "now", "The edited variant."),
+    (CompareMode::Kept, "kept", "The pinned variant."),
 ];
-/// Width of the line that is moved, for the pointer.
+/// Width of the divider for the pointer, points.
 const GRIP: f32 = 12.0;
 
-/// How two variants are looked at.
+/// State of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Comparison {
-    /// What is shown.
     pub mode: CompareMode,
-    /// Where the line of the wipe is: 0 is the left side of the picture, 1 the right.
+    /// Position of the divider, from 0 at the left to 1 at the right.
     pub at: f32,
-    /// How many times the difference is enlarged.
+    /// Amplification of the difference.
     pub gain: f32,
 }
 
@@ -49,14 +48,14 @@ impl Default for Comparison {
 }
 
 impl Comparison {
-    /// The next way to look.
+    /// Selects the next display mode.
     pub fn next(&mut self) {
         let here = MODES.iter().position(|(mode, ..)| *mode == self.mode).unwrap_or_default();
         self.mode = MODES[(here + 1) % MODES.len()].0;
     }
 
-    /// What is over the pictures in `place`: the line, what the variants are called, `now` and `kept`, and how to look at
-    /// them. `rms` is their difference, where both are as finely sampled.
+    /// Shows the divider, the titles `now` and `kept`, and the controls over the pictures in `place`. `rms` is the
+    /// difference of equally sampled pictures.
     pub fn show(&mut self, ui: &mut Ui, place: Rect, [now, kept]: &[String; 2], rms: Option<f64>) {
         if self.mode == CompareMode::Wipe {
             self.line(ui, place);
@@ -85,24 +84,25 @@ impl Comparison {
         match self.mode {
             CompareMode::Wipe => {
                 let response = ui.add(Slider::new(&mut self.at, 0.0..=1.0).show_value(false).text("line"));
-                named(ui, &response, "compare.at").on_hover_text("Where the line is; drag it, or use the arrow keys.");
+                named(ui, &response, "compare.at")
+                    .on_hover_text("Position of the divider; drag it, or use the arrow keys.");
             }
             CompareMode::Difference => {
                 let response = ui.add(Slider::new(&mut self.gain, 1.0..=1024.0).logarithmic(true).text("gain"));
-                named(ui, &response, "compare.gain").on_hover_text("How many times the difference is enlarged.");
+                named(ui, &response, "compare.gain").on_hover_text("Amplification of the difference.");
             }
             CompareMode::Now | CompareMode::Kept => {}
         }
         let text = match rms {
             Some(rms) => format!("RMS {rms:.1e}"),
-            None => "RMS: not yet as finely sampled".into(),
+            None => "RMS: not equally sampled yet".into(),
         };
         ui.label(text).on_hover_text(
             "Root mean square of the difference over all channels, linear light; only of two pictures with the same number of samples.",
         );
     }
 
-    /// The line between both, to be dragged.
+    /// The movable divider.
     fn line(&mut self, ui: &Ui, place: Rect) {
         let x = egui::lerp(place.x_range(), self.at);
         let grip = Rect::from_center_size(pos2(x, place.center().y), vec2(GRIP, place.height()));
@@ -120,7 +120,7 @@ impl Comparison {
     }
 }
 
-/// What a variant is called, at a corner of the pictures.
+/// The title of a variant.
 fn title(ui: &Ui, place: Rect, corner: Align2, text: &str) {
     let painter = ui.painter_at(place);
     let galley = painter.layout_no_wrap(text.into(), FontId::proportional(13.0), Color32::WHITE);

@@ -1,4 +1,4 @@
-//! The display: which of Wayland and X11 serves, whether it has what a window needs, and what is done when it ends.
+//! The display: selection of Wayland or X11, checks of its prerequisites, and an orderly exit when it ends.
 
 use super::ViewError;
 use super::unsaved::Latest;
@@ -22,36 +22,35 @@ use x11rb::protocol::xkb::ConnectionExt as _;
 use x11rb::protocol::xproto::{ConnectionExt as _, MapState};
 use x11rb::rust_connection::RustConnection;
 
-/// Exit code of a window that could not be shown, or not be shown on.
+/// Exit code if the window cannot be shown.
 pub const NO_WINDOW: u8 = 1;
-/// Libraries without which the window system ends the program in place of an error, or is not there.
+/// Libraries that winit needs; without them it exits or panics.
 const KEYBOARD: &str = "libxkbcommon-x11.so.0";
 const WAYLAND: &str = "libwayland-client.so.0";
-/// Versions of extensions of X that winit asks for.
+/// Versions of X extensions that winit requires.
 const RANDR: (u32, u32) = (1, 3);
 const XINPUT: (u16, u16) = (2, 3);
 const XKB: (u16, u16) = (1, 0);
 
-/// Where the window is shown.
+/// The display of the window.
 pub(super) enum Display {
-    /// By a compositor, with its socket unless that was handed over open.
+    /// A Wayland compositor, by the path of its socket unless the socket was inherited.
     Wayland(Option<PathBuf>),
-    /// By a server of X.
+    /// An X server.
     X {
-        /// As `DISPLAY` has it.
+        /// The value of `DISPLAY`.
         name: String,
         /// A connection beside that of winit.
         server: Box<RustConnection>,
-        /// The number of its screen.
         screen: usize,
     },
 }
 
 impl Display {
-    /// The display that the environment names: a compositor that answers, or else a server of X.
+    /// The display of the environment: a Wayland compositor that answers, else an X server.
     ///
     /// # Errors
-    /// Neither answers, the server lacks an extension, or the data of xkb are missing.
+    /// Neither display answers, the X server lacks an extension, or the xkb data are missing.
     pub(super) fn find() -> Result<Display, ViewError> {
         let display = Display::answering()?;
         if !has_keyboard_data() {
@@ -97,7 +96,7 @@ impl Display {
         }
     }
 
-    /// Makes winit take this one.
+    /// Makes winit use this display.
     pub(super) fn choose<T>(&self, builder: &mut EventLoopBuilder<T>) {
         match self {
             Display::Wayland(_) => builder.with_wayland(),
@@ -105,7 +104,7 @@ impl Display {
         };
     }
 
-    /// As a person knows it.
+    /// Name for messages.
     pub(super) fn name(&self) -> String {
         match self {
             Display::Wayland(socket) => socket.as_ref().map_or("Wayland".into(), |socket| socket.display().to_string()),
@@ -113,7 +112,7 @@ impl Display {
         }
     }
 
-    /// Bits of a pixel, where that is known.
+    /// Color depth, if known.
     pub(super) fn depth(&self) -> Option<u8> {
         match self {
             Display::X { server, screen, .. } => Some(server.setup().roots.get(*screen)?.root_depth),
@@ -121,7 +120,7 @@ impl Display {
         }
     }
 
-    /// Whether it answers no more.
+    /// Whether the display no longer answers.
     pub(super) fn has_ended(&self) -> bool {
         match self {
             Display::Wayland(socket) => socket.as_ref().is_some_and(|socket| UnixStream::connect(socket).is_err()),
@@ -129,7 +128,7 @@ impl Display {
         }
     }
 
-    /// Whether no pixel of a window is on the screen, as far as it says: a compositor only keeps its images.
+    /// Whether the window is reported as invisible.
     pub(super) fn hides(&self, window: &Window) -> bool {
         let Display::X { server, .. } = self else { return false };
         let Ok(RawWindowHandle::Xlib(own)) = window.window_handle().map(|handle| handle.as_raw()) else { return false };
@@ -138,7 +137,7 @@ impl Display {
     }
 }
 
-/// An extension of X that winit cannot do without and a server lacks.
+/// A missing X extension that winit requires.
 fn lacking(server: &RustConnection) -> Option<&'static str> {
     let randr = server.randr_query_version(RANDR.0, RANDR.1).is_ok_and(|answer| answer.reply().is_ok());
     let xinput = server.xinput_xi_query_version(XINPUT.0, XINPUT.1).is_ok_and(|answer| answer.reply().is_ok());
@@ -148,7 +147,7 @@ fn lacking(server: &RustConnection) -> Option<&'static str> {
     all.into_iter().find(|(_, there)| !there).map(|(name, _)| name)
 }
 
-/// Ends the program where the window can no longer be shown, and keeps what no file holds.
+/// Exits the program when the display ends, and stores unsaved work.
 #[derive(Clone)]
 pub(super) struct Guard {
     display: Arc<Display>,
@@ -157,7 +156,7 @@ pub(super) struct Guard {
 }
 
 impl Guard {
-    /// Has the display watched: without this Xlib ends the program when its server ends, and winit panics.
+    /// Watches the display. Without this, Xlib exits the program when the server ends, and winit panics.
     pub(super) fn watch(display: Arc<Display>, latest: Latest) -> Guard {
         let guard = Guard { display, latest, began: Arc::default() };
         let by_xlib = guard.clone();
@@ -175,7 +174,7 @@ impl Guard {
         guard
     }
 
-    /// Ends the program if the display has ended.
+    /// Exits if the display has ended.
     pub(super) fn end_if_gone(&self) {
         if self.display.has_ended() {
             self.end(None);
@@ -183,30 +182,30 @@ impl Guard {
     }
 
     fn end(&self, reason: Option<String>) -> ! {
-        // Several threads may find out.
+        // Several threads may get here.
         while self.began.swap(true, Ordering::Relaxed) {
             std::thread::park();
         }
         let kept = self.latest.keep();
-        let kept = kept.map(|folder| format!("; what was not saved is in {}", folder.display())).unwrap_or_default();
+        let kept = kept.map(|folder| format!("; unsaved work is in {}", folder.display())).unwrap_or_default();
         log::error!(
             "{}",
             match reason {
                 Some(reason) => ViewError::Window(format!("{reason}{kept}")),
-                None => ViewError::Ended { display: self.display.name(), kept },
+                None => ViewError::Ended(self.display.name(), kept),
             }
         );
         process::exit(NO_WINDOW.into());
     }
 }
 
-/// What winit says where it panics.
+/// The message of a panic in winit.
 fn of_winit(panic: &PanicHookInfo<'_>) -> Option<String> {
     let is_of_winit = panic.location()?.file().split(['/', '\\']).any(|part| part.starts_with("winit"));
     is_of_winit.then(|| panic.payload_as_str().unwrap_or("it gives no reason").replace('\n', " "))
 }
 
-/// The size of a window that no screen is too small for, points: what is drawn beyond it costs memory that nobody sees.
+/// The size of the window, limited to the largest screen, points.
 pub(super) fn fitted(event_loop: &ActiveEventLoop, wanted: [u32; 2]) -> [u32; 2] {
     let screens = event_loop.available_monitors().map(|screen| screen.size().to_logical::<u32>(screen.scale_factor()));
     let largest = screens.map(|size| [size.width, size.height]).reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])]);

@@ -1,10 +1,10 @@
-//! Why there is no window.
+//! Errors of the window.
 
 use hypertexture::gpu::GpuError;
 use hypertexture::output::OutputError;
 use hypertexture::scene::SceneError;
 
-/// Why there is no window, or no longer one.
+/// Why the window could not be opened, or was closed.
 #[derive(Debug, thiserror::Error)]
 pub enum ViewError {
     /// There is no display.
@@ -19,59 +19,37 @@ pub enum ViewError {
          libxkbcommon-x11-0"
     )]
     NoLibrary(&'static str),
-    /// The data of xkb are missing.
-    #[error("no xkb data{0}, which a window needs for its keys; on Debian or Ubuntu: sudo apt install xkb-data")]
+    /// The xkb data are missing.
+    #[error("no xkb data{0}, which keyboard input needs; on Debian or Ubuntu: sudo apt install xkb-data")]
     NoKeyboards(String),
-    /// No device draws into windows of this screen.
+    /// No driver supports the color depth of the screen.
     #[error(
-        "the screen of display {display} has {depth} bits for a pixel, and no Vulkan driver here draws into a window of \
+        "the screen of display {0} has {1} bits for a pixel, and no Vulkan driver here draws into a window of \
          that depth; use a screen of 24 bits, as `xvfb-run -a -s \"-screen 0 1280x1024x24\" hypertexture view ...` does"
     )]
-    Depth {
-        /// The display.
-        display: String,
-        /// Its bits for a pixel.
-        depth: u8,
-    },
-    /// The display is gone.
-    #[error("the display {display} has ended, and the window with it{kept}")]
-    Ended {
-        /// The display.
-        display: String,
-        /// Where unsaved work is, as the end of the sentence.
-        kept: String,
-    },
-    /// The window system refuses.
+    Depth(String, u8),
+    /// The display has ended; the second text is the path of the unsaved work, as the end of the sentence.
+    #[error("the display {0} has ended, and the window with it{1}")]
+    Ended(String, String),
+    /// The window system reports an error.
     #[error("the window could not be opened: {0}")]
     Window(String),
-    /// The device refuses.
+    /// The device reports an error.
     #[error(transparent)]
     Gpu(#[from] GpuError),
-    /// The scene cannot be shown.
+    /// The scene is invalid.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// A picture that was asked for on the command line could not be written.
+    /// A picture could not be written.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// What was asked for on the command line could not be done.
+    /// A request of the command line failed.
     #[error("{0}")]
     Failed(String),
-    /// A script cannot be read, or asks for what is not there.
-    #[error("{file}:{line}: {reason}")]
-    Script {
-        /// The file.
-        file: String,
-        /// Line, from 1.
-        line: usize,
-        /// What is wrong.
-        reason: String,
-    },
-    /// The validation layer has found something.
-    #[error("the validation layer reported {count} messages, the first: {first}")]
-    Validation {
-        /// How many.
-        count: usize,
-        /// The first.
-        first: String,
-    },
+    /// A script is invalid, or names a missing control.
+    #[error("{0}:{1}: {2}")]
+    Script(String, usize, String),
+    /// The validation layer has reported messages.
+    #[error("the validation layer reported {0} messages, the first: {1}")]
+    Validation(usize, String),
 }

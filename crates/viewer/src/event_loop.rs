@@ -1,15 +1,14 @@
-//! The window itself: what the window system says, and when a frame is drawn.
+//! The event loop: window events, and the time of the next frame.
 
 use super::ViewError;
 use super::app::{App, Start};
 use super::background::Notify;
 use super::display::{Display, Guard, fitted};
-use super::fonts::Fallback;
 use super::input::passes;
-use super::script::{Script, ScriptEvent, Widget, widgets};
+use super::script::{Script, widgets};
 use super::unsaved::Latest;
-use crate::canvas::Canvas;
-use egui::{Context, FullOutput, TexturesDelta, ViewportId};
+use super::window_state::{WindowState, perform};
+use egui::{FullOutput, ViewportId};
 use hypertexture::gpu::{GpuError, Messages, Presented};
 use std::io::{self, Write};
 use std::sync::Arc;
@@ -21,25 +20,25 @@ use winit::event::{StartCause, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
 use winit::window::{Fullscreen, Window, WindowId};
 
-/// While a script runs, the next frame comes after this: it waits for no person.
+/// Interval between frames while a script runs.
 const SCRIPT_PACE: Duration = Duration::from_millis(16);
 
-/// A window of which nothing is seen is looked at this often: not every window manager says when it is back.
+/// Interval between frames of a hidden window: some window managers do not report when it is visible again.
 const HIDDEN_PACE: Duration = Duration::from_millis(250);
-/// Bits of a pixel that every driver draws.
+/// Color depths that every driver supports.
 const DEPTHS: [u8; 2] = [24, 32];
 
-/// The exit code after a second signal: as shells have it for Ctrl-C.
+/// Exit code after a second signal, as in shells after Ctrl-C.
 const INTERRUPTED: i32 = 130;
 
-/// Something came from another thread.
+/// Wakes the event loop from another thread.
 struct Wake;
 
 /// Shows a window until it is closed.
 ///
 /// # Errors
-/// No display, library, loader or driver: one line that says what to do. With [`Start::frames`], a screenshot or a script,
-/// whatever they run into; and what the validation layer has found.
+/// There is no display, library, loader or driver; a script, or [`Start::frames`] with its screenshot, has failed; or the
+/// validation layer has reported messages.
 pub fn run(start: Start) -> Result<(), ViewError> {
     let script = match &start.script {
         Some(file) => Some(Script::read(file)?),
@@ -60,17 +59,17 @@ pub fn run(start: Start) -> Result<(), ViewError> {
         ViewError::NoDisplay(text.rsplit(": ").next().unwrap_or(&text).replace('\n', " "))
     })?;
     let proxy = event_loop.create_proxy();
-    // A loop that has ended needs no waking.
+    // The event loop may have ended.
     let notify: Notify = Arc::new(move || drop(proxy.send_event(Wake)));
     let interrupted = Arc::new(AtomicBool::new(false));
     let (told, wake) = (interrupted.clone(), notify.clone());
-    // What is not saved is kept; the second signal ends the program at once.
+    // The first signal stores unsaved work and exits; the second one exits at once.
     let handled = ctrlc::set_handler(move || match told.swap(true, Ordering::Relaxed) {
         true => std::process::exit(INTERRUPTED),
         false => wake(),
     });
     if let Err(error) = handled {
-        log::warn!("no handler for signals, which end the program with what is not saved: {error}");
+        log::warn!("cannot handle signals, which will discard unsaved work: {error}");
     }
     let app = App::new(&start, notify.clone())?;
     let (messages, outcome) = {
@@ -101,7 +100,7 @@ pub fn run(start: Start) -> Result<(), ViewError> {
             let latest = Latest::default();
             handler.app.note_unsaved(&latest);
             if let Some(folder) = latest.keep() {
-                let _ = writeln!(io::stdout(), "what was not saved is in {}", folder.display());
+                let _ = writeln!(io::stdout(), "unsaved work is in {}", folder.display());
             }
         }
         if let (Some(ending), Some(_)) = (handler.ending, &handler.script) {
@@ -114,7 +113,7 @@ pub fn run(start: Start) -> Result<(), ViewError> {
     let said: Vec<String> = messages.iter().flat_map(Messages::take).collect();
     match said.first() {
         None => Ok(()),
-        Some(first) => Err(ViewError::Validation { count: said.len(), first: first.clone() }),
+        Some(first) => Err(ViewError::Validation(said.len(), first.clone())),
     }
 }
 
@@ -124,9 +123,9 @@ struct EventHandler {
     script: Option<Script>,
     state: Option<WindowState>,
     outcome: Result<(), ViewError>,
-    /// What the validation layer says, of every device that was opened.
+    /// Validation messages of every device that was opened.
     messages: Vec<Messages>,
-    /// Whether a lost device has been replaced: once is an accident.
+    /// Whether a lost device was replaced, which happens once.
     reopened: bool,
     display: Arc<Display>,
     latest: Latest,
@@ -135,53 +134,15 @@ struct EventHandler {
     minimized: bool,
     /// Whether other windows cover it.
     occluded: bool,
-    /// Whether nothing of it is seen, and how many frames were.
+    /// Whether the window is hidden, and the number of frames shown.
     hidden: bool,
     shown: u64,
-    /// Whether the first picture is yet to come.
+    /// Whether no picture has been shown yet.
     waiting: bool,
-    /// Whether a signal has asked the program to end.
+    /// Whether a signal has asked the program to exit.
     interrupted: Arc<AtomicBool>,
-    /// Since when it ends.
+    /// Start of the exit.
     ending: Option<Instant>,
-}
-
-/// What there is while there is a window.
-struct WindowState {
-    // The canvas before the window: its surface is one of it.
-    canvas: Canvas,
-    context: Context,
-    fonts: Fallback,
-    input: egui_winit::State,
-    window: Arc<Window>,
-    widgets: Vec<Widget>,
-    /// Changes of textures that the window was not drawn with.
-    textures: TexturesDelta,
-    full_screen: bool,
-    title: String,
-}
-
-impl WindowState {
-    fn new(start: &Start, window: Arc<Window>, notify: Notify, reads_names: bool) -> Result<WindowState, ViewError> {
-        let canvas = Canvas::open(&start.options, window.clone())?;
-        let context = Context::default();
-        if reads_names {
-            context.enable_accesskit();
-        }
-        let (scale, side) = (Some(window.scale_factor() as f32), canvas.gpu().info().max_image as usize);
-        let input = egui_winit::State::new(context.clone(), ViewportId::ROOT, &window, scale, None, Some(side));
-        Ok(WindowState {
-            canvas,
-            context,
-            fonts: Fallback::new(notify),
-            input,
-            window,
-            widgets: Vec::new(),
-            textures: TexturesDelta::default(),
-            full_screen: false,
-            title: String::new(),
-        })
-    }
 }
 
 impl ApplicationHandler<Wake> for EventHandler {
@@ -216,7 +177,7 @@ impl ApplicationHandler<Wake> for EventHandler {
         match &event {
             WindowEvent::CloseRequested => {
                 self.app.ask_to_quit();
-                // A question is to be seen.
+                // A minimized window would hide the question.
                 state.window.set_minimized(false);
                 return self.request_frame();
             }
@@ -236,13 +197,13 @@ impl ApplicationHandler<Wake> for EventHandler {
     }
 
     fn exiting(&mut self, _: &ActiveEventLoop) {
-        // The connection to the display ends with the loop, and what is drawn into needs it until it is gone.
+        // The display connection ends with the event loop, and the surface must be dropped before.
         drop(self.close());
     }
 
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
         if self.app.quit || self.interrupted.load(Ordering::Relaxed) {
-            // Nobody looks on while a program that is being compiled is waited for.
+            // The exit may wait for a running compilation.
             self.state.iter().for_each(|state| state.window.set_visible(false));
             self.ending.get_or_insert_with(Instant::now);
             event_loop.exit();
@@ -256,7 +217,7 @@ impl EventHandler {
             WindowState::new(&self.start, window, self.notify.clone(), self.script.is_some()).map_err(|error| {
                 match self.display.depth() {
                     Some(depth) if matches!(error, ViewError::Gpu(GpuError::NoPresent)) && !DEPTHS.contains(&depth) => {
-                        ViewError::Depth { display: self.display.name(), depth }
+                        ViewError::Depth(self.display.name(), depth)
                     }
                     _ => error,
                 }
@@ -268,7 +229,7 @@ impl EventHandler {
         Ok(())
     }
 
-    /// Lets go of everything that is on the device; gives the window.
+    /// Drops everything on the device and returns the window.
     fn close(&mut self) -> Option<Arc<Window>> {
         self.app.leave_device();
         self.state.take().map(|state| state.window)
@@ -288,7 +249,7 @@ impl EventHandler {
         }
     }
 
-    /// Opens a device in place of one that is lost, once.
+    /// Replaces a lost device, once.
     fn reopen_device(&mut self, lost: Result<(), ViewError>) -> Result<(), ViewError> {
         if std::mem::replace(&mut self.reopened, true) {
             return lost;
@@ -344,7 +305,7 @@ impl EventHandler {
             state.widgets = widgets(update);
         }
         state.input.handle_platform_output(&state.window, output.platform_output);
-        // egui tells of a change once, also where the window waits for a preview.
+        // egui reports a texture change once, even if the window is not drawn in this frame.
         state.textures.append(output.textures_delta);
         let held = self.app.hold(Instant::now());
         let mut shown = Presented::Yes;
@@ -378,7 +339,7 @@ impl EventHandler {
         let delay = match (&self.script, shown) {
             (Some(script), _) => wanted.min(script.pace().unwrap_or(SCRIPT_PACE)),
             (None, Presented::Later) => Duration::ZERO,
-            // Nothing is seen; what goes on beside the window is looked after.
+            // Background work goes on while the window is hidden.
             (None, Presented::Hidden) => HIDDEN_PACE,
             (None, Presented::Yes) => wanted,
         };
@@ -392,21 +353,4 @@ impl EventHandler {
         });
         Ok(())
     }
-}
-
-/// Does what a script asks for; whether the window is minimized.
-fn perform(event: ScriptEvent, state: &mut WindowState, app: &mut App, minimized: bool) -> Result<bool, ViewError> {
-    match event {
-        ScriptEvent::Events(events) => state.input.egui_input_mut().events.extend(events),
-        ScriptEvent::Drop(path) => drop(state.input.on_window_event(&state.window, &WindowEvent::DroppedFile(path))),
-        ScriptEvent::Size([width, height]) => drop(state.window.request_inner_size(LogicalSize::new(width, height))),
-        ScriptEvent::Minimize(minimize) => {
-            state.window.set_minimized(minimize);
-            return Ok(minimize);
-        }
-        ScriptEvent::Shot(path) => app.screenshot(path),
-        ScriptEvent::Lose => return Err(GpuError::lost().into()),
-        ScriptEvent::Quit => app.quit = true,
-    }
-    Ok(minimized)
 }

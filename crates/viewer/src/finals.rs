@@ -1,74 +1,65 @@
-//! Final pictures: a process of its own renders them, so that the window stays under the hand.
+//! Final pictures, rendered by a child process so that the window stays responsive.
 //!
-//! Role: a scene and what is wanted of it -> `hypertexture render`, and ffmpeg behind it where a video is wanted. Invariant:
-//! what is stopped leaves whole files or none; the process ends with the [`Rendering`].
+//! Role: a scene and an order -> `hypertexture render`, then ffmpeg for a video. Invariants: a stopped order leaves
+//! whole files or none; the process ends with the [`Rendering`].
 
-use super::background::{Background, Notify};
+use super::background::{Background, silent};
 use hypertexture::output::sequence::{frame_path, manifest_path};
 use hypertexture::scene::{self, Color, Scene};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::sync::Arc;
 use std::time::Instant;
 use support::{disk_cache, open, write_whole};
 
-/// The longest manifest that is counted, in bytes.
+/// Size limit of a manifest, bytes.
 const MAX_MANIFEST: u64 = 1 << 24;
-/// A video knows no transparency: what is behind where the scene says nothing.
+/// Background of a video, which has no transparency, if the scene has none.
 pub(super) const BEHIND: Color = Color([22, 23, 26]);
-/// What is said of a process that says nothing is this much at most, in bytes.
+/// Size limit of the error output of a process, bytes.
 const MAX_SAID: u64 = 1 << 16;
 
-/// What becomes of a scene.
+/// Kind of the output.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Product {
+pub(super) enum Kind {
     /// One picture.
     Picture,
     /// Numbered pictures.
-    Sequence(Motion),
-    /// The same, and a video of them.
-    Video(Motion),
+    Sequence,
+    /// Numbered pictures and a video of them.
+    Video,
 }
 
-/// How a scene moves.
+/// Animation of a sequence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Motion {
     pub(super) frames: u32,
     pub(super) fps: f64,
-    /// Whether the camera goes once around the object.
+    /// Whether the camera orbits the object once.
     pub(super) turntable: bool,
-    /// Whether frames that are finished are rendered again.
+    /// Whether finished frames are rendered again.
     pub(super) restart: bool,
 }
 
-impl Product {
-    /// How it moves; a picture does not.
-    pub(super) fn motion(&self) -> Option<&Motion> {
-        match self {
-            Product::Picture => None,
-            Product::Sequence(motion) | Product::Video(motion) => Some(motion),
-        }
-    }
-}
-
-/// What is to be rendered, and where it goes.
+/// A request for final pictures.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Order {
-    /// The scene, with size and samples.
+    /// The scene, with its size and samples.
     pub(super) scene: Scene,
-    pub(super) product: Product,
-    /// The error that decides in place of the samples.
+    pub(super) kind: Kind,
+    /// The animation; a picture has none.
+    pub(super) motion: Option<Motion>,
+    /// Error target that replaces the samples.
     pub(super) max_error: Option<f64>,
-    /// The picture, the frames with `####` for their number, or the video.
+    /// Path of the picture, of the frames with `####` for their number, or of the video.
     pub(super) path: PathBuf,
 }
 
 impl Order {
-    /// Where the pictures go: those of a video lie beside it.
+    /// Path of the pictures; those of a video are next to it.
     pub(super) fn pictures(&self) -> PathBuf {
-        match self.product {
-            Product::Video(_) => {
+        match self.kind {
+            Kind::Video => {
                 let stem = self.path.file_stem().unwrap_or_default().to_string_lossy().replace('#', "");
                 self.path.with_file_name(format!("{stem}_####.png"))
             }
@@ -78,20 +69,20 @@ impl Order {
 
     /// The first file that is written.
     pub(super) fn first(&self) -> PathBuf {
-        match self.product {
-            Product::Picture => self.path.clone(),
+        match self.kind {
+            Kind::Picture => self.path.clone(),
             _ => frame_path(&self.pictures(), 0),
         }
     }
 
-    /// What `render` is given beside the scene.
+    /// Arguments of `render` besides the scene.
     pub(super) fn arguments(&self) -> Vec<String> {
         let mut words = vec!["--output".into(), self.pictures().display().to_string()];
         if let Some(error) = self.max_error {
             words.extend(["--max-error".into(), error.to_string()]);
         }
-        if let Some(Motion { frames, fps, turntable, restart }) = self.product.motion() {
-            let range = format!("0..{}", frames.max(&1) - 1);
+        if let Some(Motion { frames, fps, turntable, restart }) = self.motion {
+            let range = format!("0..{}", frames.max(1) - 1);
             words.extend(["--frames".into(), range, "--fps".into(), fps.to_string()]);
             words.extend(turntable.then(|| "--turntable".into()));
             words.extend(restart.then(|| "--restart".into()));
@@ -100,24 +91,24 @@ impl Order {
     }
 }
 
-/// Whether there is a program of that name.
+/// Whether a program is on the `PATH`.
 pub(super) fn is_installed(name: &str) -> bool {
     let path = std::env::var_os("PATH").unwrap_or_default();
     std::env::split_paths(&path).any(|folder| folder.join(name).is_file())
 }
 
-/// An order that is being carried out.
+/// An order in progress.
 pub(super) struct Rendering {
     order: Order,
-    /// The scene, as long as it is read.
+    /// The scene file of the child process.
     file: PathBuf,
     process: Process,
-    /// Whether the frames are there, and the video is made of them.
+    /// Whether the frames are finished and ffmpeg is running.
     is_last: bool,
     began: Instant,
 }
 
-/// A process, and what it says.
+/// A child process and its error output.
 struct Process {
     child: Child,
     stderr: Option<Background<String>>,
@@ -129,11 +120,10 @@ impl Process {
         command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
         let mut child = command.spawn().map_err(|error| format!("{name}: {error}"))?;
         give_way(&child);
-        let silent: Notify = Arc::new(|| ());
         let stderr = child.stderr.take().map(|pipe| {
-            Background::start(&silent, move |task| {
+            Background::start(&silent(), move |task| {
                 let mut said = String::new();
-                // What is no text, or goes on for too long, is not said.
+                // Output that is not UTF-8 or too long is dropped.
                 let _ = pipe.take(MAX_SAID).read_to_string(&mut said);
                 task.send(said);
             })
@@ -141,7 +131,7 @@ impl Process {
         Ok(Process { child, stderr })
     }
 
-    /// Whether it has ended, and how.
+    /// The result of the process, if it has ended.
     fn poll(&mut self) -> Option<Result<(), String>> {
         let status = match self.child.try_wait() {
             Ok(None) => return None,
@@ -149,20 +139,20 @@ impl Process {
             Err(error) => return Some(Err(error.to_string())),
         };
         let said = self.stderr.take().and_then(|stderr| stderr.wait()).unwrap_or_default();
-        let last = said.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or("no word of why");
+        let last = said.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or("no error message");
         Some(if status.success() { Ok(()) } else { Err(last.trim_start_matches("error: ").to_string()) })
     }
 }
 
 impl Drop for Process {
     fn drop(&mut self) {
-        // It may have ended by itself.
+        // The process may have ended.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
 }
 
-/// Lets the window go first.
+/// Lowers the priority of the process below that of the window.
 fn give_way(child: &Child) {
     #[cfg(unix)]
     {
@@ -176,10 +166,10 @@ fn give_way(child: &Child) {
 }
 
 impl Rendering {
-    /// Starts `program`, which is hypertexture.
+    /// Starts `program`, the executable of hypertexture.
     ///
     /// # Errors
-    /// One line: the scene cannot be written, or the program not be started.
+    /// The scene cannot be written, or the program cannot be started.
     pub(super) fn start(program: &Path, order: Order) -> Result<Rendering, String> {
         let folder = disk_cache::default_folder().unwrap_or_else(std::env::temp_dir).join("final");
         let file = folder.join(format!("{}.toml", std::process::id()));
@@ -197,19 +187,19 @@ impl Rendering {
         self.began.elapsed().as_secs()
     }
 
-    /// Frames that are there, and all; none of one picture.
+    /// Number of finished frames and of all frames; `None` for a picture.
     pub(super) fn frames(&self) -> Option<(u32, u32)> {
-        let all = self.order.product.motion()?.frames;
+        let all = self.order.motion?.frames;
         let lines = open::text(&manifest_path(&self.order.pictures(), None), MAX_MANIFEST).ok()?;
         Some(((lines.lines().count() as u32).saturating_sub(1).min(all), all))
     }
 
-    /// Whether it has ended, and with what: a line. A video begins when its frames are there.
+    /// The result of the order, if it has ended. Starts ffmpeg once the frames of a video are finished.
     pub(super) fn poll(&mut self) -> Option<Result<String, String>> {
         if let Err(reason) = self.process.poll()? {
             return Some(Err(reason));
         }
-        if let (Product::Video(motion), false) = (self.order.product, self.is_last) {
+        if let (Kind::Video, Some(motion), false) = (self.order.kind, self.order.motion, self.is_last) {
             self.is_last = true;
             return match Process::start(&mut ffmpeg(&self.order.pictures(), motion.fps, &self.order.path)) {
                 Ok(process) => {
@@ -231,7 +221,7 @@ impl Drop for Rendering {
     }
 }
 
-/// Makes a video of frames; sides are even, as most codecs need them.
+/// Command for a video of frames, padded to even sides, which most codecs require.
 fn ffmpeg(frames: &Path, fps: f64, to: &Path) -> Command {
     let pattern = frames.display().to_string().replace('%', "%%").replace("####", "%04d");
     let mut command = Command::new("ffmpeg");
@@ -247,12 +237,17 @@ mod tests {
     #[test]
     fn an_order_is_what_a_person_would_type() {
         let motion = Motion { frames: 100, fps: 25.0, turntable: true, restart: false };
-        let order =
-            |product, path: &str| Order { scene: Scene::default(), product, max_error: None, path: path.into() };
-        let picture = Order { max_error: Some(0.004), ..order(Product::Picture, "a.png") };
+        let order = |kind, motion, path: &str| Order {
+            scene: Scene::default(),
+            kind,
+            motion,
+            max_error: None,
+            path: path.into(),
+        };
+        let picture = Order { max_error: Some(0.004), ..order(Kind::Picture, None, "a.png") };
         assert_eq!(picture.arguments(), ["--output", "a.png", "--max-error", "0.004"]);
         assert_eq!(picture.first(), Path::new("a.png"));
-        let video = order(Product::Video(motion), "out/turn.mp4");
+        let video = order(Kind::Video, Some(motion), "out/turn.mp4");
         let words = ["--output", "out/turn_####.png", "--frames", "0..99", "--fps", "25", "--turntable"];
         assert_eq!((video.arguments(), video.first()), (words.map(String::from).into(), "out/turn_0000.png".into()));
         let command = ffmpeg(&video.pictures(), 25.0, &video.path);

@@ -1,4 +1,4 @@
-//! Glyphs that the fonts of egui lack, from fonts of the system.
+//! Fallback fonts of the system for glyphs that the fonts of egui lack.
 
 use super::background::{Background, Notify};
 use egui::epaint::ClippedShape;
@@ -10,13 +10,13 @@ use std::fs;
 use std::process::{Command, Stdio};
 use std::task::Poll;
 
-/// Fonts that are asked for: a text of more scripts is rare, and each takes a process.
+/// Limit for searched fonts: each takes a process, and texts in more scripts are rare.
 const MOST: usize = 16;
 
-/// Looks for a font when a text needs one.
+/// Search for fallback fonts.
 pub(super) struct Fallback {
     notify: Notify,
-    /// Letters that have a glyph, or were asked for.
+    /// Characters that were checked.
     known: HashSet<char>,
     asked: usize,
     search: Option<(char, Background<Option<FontData>>)>,
@@ -24,12 +24,12 @@ pub(super) struct Fallback {
 }
 
 impl Fallback {
-    /// Nothing was looked for; `notify` asks for a frame when a font is there.
+    /// A search that has not started; `notify` requests a frame when a font is found.
     pub(super) fn new(notify: Notify) -> Fallback {
         Fallback { notify, known: HashSet::new(), asked: 0, search: None, complained: false }
     }
 
-    /// Looks at what a frame shows: a letter without a glyph gets a font, some frames later.
+    /// Starts a search for the first character of a frame that has no glyph.
     pub(super) fn look(&mut self, context: &Context, shapes: &[ClippedShape]) {
         if let Some((letter, search)) = &self.search {
             let Poll::Ready(found) = search.poll() else { return };
@@ -44,7 +44,7 @@ impl Fallback {
                     );
                 }
             }
-            // The glyphs of a font are known from the next frame on.
+            // The glyphs of a new font are available in the next frame.
             self.search = None;
             context.request_repaint();
             return;
@@ -63,7 +63,7 @@ impl Fallback {
         }
     }
 
-    /// The letters of texts that were not looked at.
+    /// Collects characters that were not checked.
     fn unknown(&self, shape: &Shape, letters: &mut Vec<char>) {
         match shape {
             Shape::Vec(shapes) => shapes.iter().for_each(|shape| self.unknown(shape, letters)),
@@ -76,24 +76,24 @@ impl Fallback {
     }
 }
 
-/// A font behind those that there are.
+/// A font with the lowest priority.
 fn insert(letter: char, data: FontData) -> FontInsert {
     let families = [FontFamily::Proportional, FontFamily::Monospace];
     let families = families.map(|family| InsertFontFamily { family, priority: FontPriority::Lowest });
     FontInsert::new(&format!("for {letter}"), data, families.into())
 }
 
-/// The font that fontconfig has for a letter.
+/// The font of fontconfig for a character.
 fn system_font(letter: char) -> Option<FontData> {
     let pattern = format!("sans:charset={:x}", u32::from(letter));
     let mut command = Command::new("fc-match");
     let output = command.args(["-f", "%{index}\t%{file}", &pattern]).stderr(Stdio::null()).output().ok()?;
     let said = String::from_utf8(output.stdout).ok()?;
     let (index, file) = said.split_once('\t')?;
-    // The upper half is an instance of a font of several weights.
+    // The upper 16 bits are the named instance of a variable font.
     let index = index.parse::<u32>().ok()? & 0xffff;
     let font = fs::read(file).ok()?;
-    // Without one that has it, fontconfig has another; and egui takes no file that is no font.
+    // fontconfig returns another font if none has the character, and egui panics on invalid font files.
     FontRef::from_index(&font, index).ok()?.charmap().map(letter)?;
     let tweak = FontTweak { hinting: Some(false), ..FontTweak::default() };
     Some(FontData { index, tweak, ..FontData::from_owned(font) })

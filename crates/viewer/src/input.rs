@@ -1,10 +1,10 @@
-//! The events of a frame, each at its own place.
+//! Input events, split into passes.
 
 use egui::{Event, Key, RawInput};
 
-/// Splits what has come since the last frame into passes: egui looks at the last place of the pointer and the last focus of
-/// a pass alone, and a slow frame has many events. A pass ends with a button, and a key that may move the focus has its own:
-/// what was typed before Escape in the same pass would be lost.
+/// Splits the events of a frame into passes. egui uses only the last pointer position and the last focus of a pass,
+/// and a slow frame has many events. A pass ends with a mouse button, and a key that may move the focus has a pass of
+/// its own: text typed before Escape in one pass would be lost.
 pub(super) fn passes(mut input: RawInput) -> Vec<RawInput> {
     let moves_focus = |event: &Event| match event {
         Event::Key { key, pressed, .. } => *pressed && [Key::Escape, Key::Tab, Key::Enter].contains(key),

@@ -1,52 +1,52 @@
-//! How fast the window latency the hand: what the step `orbit` of a script measures.
+//! Input latency of the window, measured by the script step `orbit`.
 
 use std::fmt;
 use std::time::{Duration, Instant};
 use support::watch;
 
-/// A person takes what comes within this for the effect of what the hand does.
+/// Latency that feels immediate.
 const PROMPT: Duration = Duration::from_millis(100);
 
-/// What the window does while a hand moves.
+/// Latency of a series of mouse moves.
 pub(super) struct InputLatency {
     began: Instant,
     processor: Option<Duration>,
     moves: Vec<Move>,
-    /// When pictures came, how many pixels and samples they have, and the job of the last.
+    /// Time, size and samples of each picture.
     pictures: Vec<(Instant, [u32; 2], u32)>,
     on_screen: u64,
 }
 
-/// A move of the hand.
+/// A mouse move.
 struct Move {
     at: Instant,
-    /// The first job that shows it.
+    /// The first job that includes the move.
     job: Option<u64>,
-    /// Until the window was drawn with it, and until there was a picture of it.
+    /// Latency of the first drawn frame, and of the first picture with the move.
     drawn: Option<Duration>,
     answered: Option<Duration>,
 }
 
 impl InputLatency {
-    /// Begins to measure; the picture of job `on_screen` is seen.
+    /// Starts the measurement; `on_screen` is the job of the current picture.
     pub(super) fn new(now: Instant, on_screen: u64) -> InputLatency {
         let processor = watch::own_processor_time();
         InputLatency { began: now, processor, moves: Vec::new(), pictures: Vec::new(), on_screen }
     }
 
-    /// The hand has moved.
+    /// Records a mouse move.
     pub(super) fn moved(&mut self, at: Instant) {
         self.moves.push(Move { at, job: None, drawn: None, answered: None });
     }
 
-    /// Every move so far is in the job of this number, or in one before.
+    /// Records that job `number` includes all moves so far.
     pub(super) fn submitted(&mut self, number: u64) {
         for own in &mut self.moves {
             own.job.get_or_insert(number);
         }
     }
 
-    /// The window was drawn; `on_screen` is the job of the picture, which has this size and samples.
+    /// Records that the window was drawn with the picture of job `on_screen`.
     pub(super) fn drawn(&mut self, now: Instant, on_screen: u64, size: [u32; 2], samples: u32) {
         if on_screen != self.on_screen {
             self.on_screen = on_screen;
@@ -59,12 +59,12 @@ impl InputLatency {
         }
     }
 
-    /// Whether there is a picture of every move.
+    /// Whether every move has a picture.
     pub(super) fn is_complete(&self) -> bool {
         self.moves.iter().all(|own| own.answered.is_some())
     }
 
-    /// The part of the moves of which there was a picture in time.
+    /// Fraction of the moves with an immediate picture.
     fn prompt(&self) -> f64 {
         let prompt = self.moves.iter().filter(|own| own.answered.is_some_and(|after| after <= PROMPT)).count();
         prompt as f64 / self.moves.len().max(1) as f64

@@ -1,8 +1,8 @@
-//! The keys and what the mouse does, in one list: the window acts by it and shows it.
+//! Table of the keys and of the mouse, for handling and for the help.
 
 use egui::{Context, Event, FocusDirection, Id, Key, Modifiers, Popup};
 
-/// What a key does.
+/// The effect of a key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Action {
     Help,
@@ -28,11 +28,11 @@ pub(super) enum Action {
     Open,
     Panels,
     Controls,
-    /// A key that a text keeps from acting.
+    /// A key that has no effect because a text field owns the keys.
     Withheld,
 }
 
-/// A key, how it is written, and what it does.
+/// A key, its label and its effect.
 pub(super) struct Binding {
     pub(super) key: Key,
     pub(super) modifiers: Modifiers,
@@ -49,22 +49,22 @@ const fn command(key: Key, name: &'static str, action: Action, what: &'static st
     Binding { key, modifiers: Modifiers::COMMAND, name, action, what }
 }
 
-/// Every key, in the order in which they are listed. The first of two with the same name is the one that is listed.
+/// All keys in the order of the help, which lists the first of several with the same name.
 pub(super) const KEYS: &[Binding] = &[
     plain(Key::Questionmark, "? or H", Action::Help, "this list"),
     plain(Key::H, "? or H", Action::Help, ""),
     plain(Key::Space, "Space", Action::Play, "play or pause"),
     plain(Key::R, "R", Action::Reset, "reset the view"),
-    plain(Key::ArrowLeft, "Left", Action::Previous, "the preset before"),
+    plain(Key::ArrowLeft, "Left", Action::Previous, "the previous preset"),
     plain(Key::ArrowRight, "Right", Action::Next, "the next preset"),
     plain(Key::S, "S", Action::Screenshot, "write the picture, in the size of the scene (Picture)"),
     plain(Key::T, "T", Action::Record, "write the pictures of a turntable, or stop"),
-    plain(Key::C, "C", Action::Compare, "keep this variant and compare with it, or stop"),
-    plain(Key::V, "V", Action::Validity, "color the pixels that are not to be trusted, or stop"),
-    plain(Key::D, "D", Action::Look, "of two variants: the wipe, their difference, one, the other"),
+    plain(Key::C, "C", Action::Compare, "pin this variant and compare with it, or stop"),
+    plain(Key::V, "V", Action::Validity, "color invalid pixels, or stop"),
+    plain(Key::D, "D", Action::Look, "display of two variants: wipe, difference, one, the other"),
     plain(Key::P, "P", Action::Inspect, "inspect the pixel under the pointer, or stop"),
     plain(Key::W, "W", Action::Worst, "jump to the next of the worst pixels"),
-    plain(Key::I, "I", Action::Inertia, "let the ball turn on"),
+    plain(Key::I, "I", Action::Inertia, "inertia of the trackball"),
     plain(Key::O, "O", Action::Level, "orbit level, or as a trackball"),
     plain(Key::Num1, "1, 2, 3", Action::Side(0), "look from the front, from the right, from the top"),
     plain(Key::Num2, "2", Action::Side(1), ""),
@@ -72,29 +72,30 @@ pub(super) const KEYS: &[Binding] = &[
     plain(Key::Z, "Z", Action::Undo, "undo"),
     plain(Key::Y, "Y", Action::Redo, "redo"),
     plain(Key::Tab, "Tab", Action::Panels, "hide the panels, or show them; among controls, the next one"),
-    plain(Key::F6, "F6", Action::Controls, "the keys go to the controls: Tab, arrows, Space; Esc leaves them"),
-    plain(Key::F, "F", Action::FullScreen, "the whole screen"),
-    plain(Key::Escape, "Esc", Action::Leave, "leave what is written, this list, the whole screen; then the window"),
+    plain(Key::F6, "F6", Action::Controls, "move the focus to the controls: Tab, arrows, Space; Esc leaves them"),
+    plain(Key::F, "F", Action::FullScreen, "full screen"),
+    plain(Key::Escape, "Esc", Action::Leave, "leave the text field, this list, full screen; then the window"),
     command(Key::S, "Ctrl+S", Action::Save, "save the scene"),
     command(Key::O, "Ctrl+O", Action::Open, "open a scene, a mesh, a scan or a module"),
 ];
 
-/// What the mouse does.
+/// Help on the mouse.
 pub(super) const MOUSE: &[(&str, &str)] = &[
     ("drag", "turn the object, like a ball or level"),
     ("right or middle drag, or Shift", "move it"),
     ("Ctrl and drag", "move the light"),
-    ("wheel or pinch", "come closer to what is under the pointer"),
-    ("click", "inspect that pixel, while one is inspected"),
+    ("wheel or pinch", "zoom to the pointer"),
+    ("click", "inspect that pixel, if the inspector is open"),
     ("drop a file", "show a mesh, a scan or a scene"),
 ];
 
-/// Whether a text owns the keys: one that has the focus, or was the last to have it. A click on the picture or Escape ends
-/// that; until then, letters that no text takes do nothing.
+/// Whether a text field owns the keys: it has the focus, or had it last. A click on the picture or Escape ends that;
+/// before, letters have no effect outside of the text.
 #[derive(Clone, Copy, Default)]
 struct Writing(bool);
 
-/// Whether a text owns the keys. To be called at the beginning and at the end of each pass: either may move the focus.
+/// Whether a text field owns the keys. Called at the beginning and at the end of each pass: either may move the
+/// focus.
 pub(super) fn writes(ctx: &Context) -> bool {
     let (has_focus, is_text) = (ctx.egui_wants_keyboard_input(), ctx.text_edit_focused());
     ctx.data_mut(|data| {
@@ -104,18 +105,18 @@ pub(super) fn writes(ctx: &Context) -> bool {
     })
 }
 
-/// Takes the keys from the text that has had them.
+/// Ends the ownership of the keys by a text field.
 pub(super) fn stop_writing(ctx: &Context) {
     ctx.data_mut(|data| data.remove::<Writing>(Id::NULL));
 }
 
-/// What was asked for by keys since the last frame; while a text owns them or a list is open, which has keys of its own,
-/// only by those that write nothing.
+/// Actions of the keys since the last frame. If a text field owns the keys or a popup is open, only those of keys
+/// that do not type.
 pub(super) fn pressed(ctx: &Context) -> Vec<Action> {
     let (writes, is_taken) = (writes(ctx), ctx.egui_wants_keyboard_input() || Popup::is_any_open(ctx));
     let hit = |event: &Event, binding: &Binding| match event {
         Event::Key { key, pressed: true, modifiers, .. } => {
-            // A question mark needs Shift on some keyboards, and none on others.
+            // The question mark needs Shift on some keyboards only.
             let shift = Modifiers { shift: modifiers.shift, ..binding.modifiers };
             let is_free = !is_taken || binding.modifiers.command;
             is_free && *key == binding.key && modifiers.matches_exact(shift)
@@ -131,7 +132,7 @@ pub(super) fn pressed(ctx: &Context) -> Vec<Action> {
         stop_writing(ctx);
         pressed.retain(|action| *action != Action::Leave);
     }
-    // Without focus, Tab would give it to the first control; that is what F6 is for.
+    // Without a focus, Tab would move it to the first control, which is the effect of F6.
     for action in &pressed {
         match action {
             Action::Panels => ctx.memory_mut(|memory| memory.move_focus(FocusDirection::None)),
@@ -142,7 +143,7 @@ pub(super) fn pressed(ctx: &Context) -> Vec<Action> {
     pressed
 }
 
-/// The key of that name and what is held with it: one of the list, or any that egui knows.
+/// The key of a name and its modifiers: a listed one, or any key of egui.
 pub(super) fn named(name: &str) -> Option<(Key, Modifiers)> {
     let listed = KEYS.iter().find(|binding| binding.name.eq_ignore_ascii_case(name));
     let plain = || Some((Key::from_name(name)?, Modifiers::NONE));

@@ -1,11 +1,10 @@
-//! The live window.
+//! The window.
 //!
-//! Role: [`run`] shows a scene that the mouse turns and the panels change, and the modules of its effect while they are
-//! edited. A thread of its own renders pictures, through [`hypertexture::render`] as everywhere; the window shows the newest one
-//! and waits for none.
-//! Invariants: every picture is one that [`hypertexture::render::Renderer`] has made, of a scene that
-//! [`hypertexture::scene::Scene::check`] accepts; a change that it refuses is one line of text and nothing else. The thread of the
-//! window submits nothing but what egui draws, and computes no field.
+//! Role: [`run`] shows a scene with panels, mouse control and an editor for its modules. A render thread draws pictures through
+//! [`hypertexture::render`]; the window shows the newest one and never waits for one.
+//! Invariants: every picture comes from [`hypertexture::render::Renderer`], of a scene that
+//! [`hypertexture::scene::Scene::check`] accepts; a refused change has no effect but one line of text. The thread of the window
+//! submits only the draws of egui, and computes no field.
 
 mod app;
 #[doc(hidden)] // for the tests of this crate
@@ -26,6 +25,7 @@ mod input_latency;
 pub mod inspect;
 mod keys;
 mod load;
+mod mean;
 #[doc(hidden)] // for the tests of this crate
 pub mod message;
 #[doc(hidden)] // for the tests of this crate
@@ -42,6 +42,7 @@ mod trackball;
 #[doc(hidden)] // for the tests of this crate
 pub mod unsaved;
 mod unused_settings;
+mod window_state;
 mod worker;
 
 pub use app::Start;

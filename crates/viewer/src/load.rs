@@ -1,4 +1,4 @@
-//! Objects loaded beside the window: fields are computed on a thread of their own, with progress, and can be given up.
+//! Objects, whose fields are computed in the background.
 
 use super::background::{Background, Notify};
 use hypertexture::render::variant::{Variant, VariantError};
@@ -9,22 +9,21 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::task::Poll;
 
-/// Subjects that are kept: those of the last presets and variants.
+/// Number of cached objects.
 const KEPT: usize = 6;
 
-/// What decides the subject of a scene.
+/// Inputs of an object.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Key(Vec<SubjectRequest>);
 
 impl Key {
-    /// The key of a scene.
     pub(super) fn of(scene: &Scene, library: &Library) -> Result<Key, VariantError> {
         let mut wanted = SubjectRequest::all(scene, &Variant::of(scene, library)?);
         wanted.iter_mut().for_each(|wanted| wanted.object = wanted.object.without_look());
         Ok(Key(wanted))
     }
 
-    /// Whether the subject of `self` serves a scene of `other`: closest points that nobody reads do no harm.
+    /// Whether an object of key `self` serves scenes of key `other`: surplus closest points do no harm.
     fn serves(&self, other: &Key) -> bool {
         self.0.len() == other.0.len()
             && self.0.iter().zip(&other.0).all(|(own, other)| {
@@ -34,7 +33,7 @@ impl Key {
     }
 }
 
-/// The subjects of the last scenes, and the one that is being loaded.
+/// The cached objects, and the one that is being loaded.
 #[derive(Default)]
 pub(super) struct Loader {
     kept: Vec<(Key, Arc<Subject>)>,
@@ -42,7 +41,7 @@ pub(super) struct Loader {
     failed: Option<Key>,
 }
 
-/// A subject that is being loaded.
+/// An object that is being loaded.
 struct Loading {
     key: Key,
     name: String,
@@ -50,8 +49,7 @@ struct Loading {
 }
 
 impl Loader {
-    /// The subject of a scene if it is there; if not, where it `may_load`, it is being loaded from now on, in place of what was
-    /// being loaded. `notify` is called from the other thread when it is there.
+    /// The object of a scene, if it is cached. Otherwise it starts to load if `may_load`, in place of another one.
     pub(super) fn subject(
         &mut self,
         scene: &Scene,
@@ -60,7 +58,7 @@ impl Loader {
         notify: &Notify,
     ) -> Result<Option<Arc<Subject>>, VariantError> {
         let key = Key::of(scene, library)?;
-        // From the last on: where several serve, it is the same one as before, and the picture is not begun anew.
+        // The last one first: among several that serve, the same one each time, so that the picture does not restart.
         if let Some(found) = self.kept.iter().rposition(|(known, _)| known.serves(&key)) {
             let last = self.kept.remove(found);
             self.kept.push(last);
@@ -77,8 +75,8 @@ impl Loader {
         Ok(None)
     }
 
-    /// What previews are drawn with while the subject of a scene is not there: a subject of the same inputs, and the scene
-    /// with soft regions that end where its fields do.
+    /// A stand-in for the object of a scene while it loads: an object from the same input, and the scene with soft
+    /// regions limited to its fields.
     pub(super) fn stand_in(&self, scene: &Scene, library: &Library) -> Option<(Scene, Arc<Subject>)> {
         let variant = Variant::of(scene, library).ok()?;
         let wanted = Key::of(scene, library).ok()?.0;
@@ -98,7 +96,7 @@ impl Loader {
         held.check(library).is_ok().then(|| (held, subject.clone()))
     }
 
-    /// Takes what has been loaded; the text says why it could not be.
+    /// Receives the loaded object, or the reason why there is none.
     pub(super) fn poll(&mut self) -> Result<(), String> {
         let Some(loading) = &self.loading else { return Ok(()) };
         let Poll::Ready(loaded) = loading.subject.poll() else { return Ok(()) };
@@ -119,24 +117,24 @@ impl Loader {
         }
     }
 
-    /// What is being loaded, and how far it is.
+    /// Name and progress of the object that is being loaded.
     pub(super) fn progress(&self) -> Option<(String, f32)> {
         let loading = self.loading.as_ref()?;
         Some((loading.name.clone(), loading.subject.progress()))
     }
 
-    /// Gives up what is being loaded.
+    /// Cancels the load.
     pub(super) fn cancel(&mut self) {
         self.failed = self.loading.take().map(|loading| loading.key);
     }
 
-    /// Tries again what could not be loaded, or was given up.
+    /// Permits another attempt at an object that failed or was cancelled.
     pub(super) fn retry(&mut self) {
         self.failed = None;
     }
 }
 
-/// Ends a soft region at `reach`, object units.
+/// Limits a soft region to `reach`, object units.
 fn end_at(object: &mut Object, values: &mut BTreeMap<String, ParameterValue>, parameters: &Parameters, reach: f32) {
     object.outer_iso = object.outer_iso.min(reach);
     for name in parameters.outer().iter().filter(|name| parameters.number(name) > reach) {
@@ -147,12 +145,9 @@ fn end_at(object: &mut Object, values: &mut BTreeMap<String, ParameterValue>, pa
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::background::silent;
     use hypertexture::{scene, shader};
     use std::time::{Duration, Instant};
-
-    fn silent() -> Notify {
-        Arc::new(|| ())
-    }
 
     fn wait(loader: &mut Loader, scene: &Scene, library: &Arc<Library>) -> Result<Arc<Subject>, String> {
         let start = Instant::now();

@@ -1,32 +1,32 @@
-//! What is said to a person: what went wrong, for as long as it holds, and what was done, for a while.
+//! Messages: errors as long as they apply, and notes for a while.
 
 use std::time::{Duration, Instant};
 
-/// How long it is said what was done.
+/// Display time of a note.
 const NOTE: Duration = Duration::from_secs(10);
 
-/// One line.
+/// A message of one line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Message {
-    /// The line.
+    /// The text.
     pub text: String,
-    /// Whether something went wrong: it is said until it no longer holds.
+    /// Whether this is an error, which is shown as long as it applies.
     pub is_error: bool,
     said: Instant,
 }
 
 impl Message {
-    /// What went wrong.
+    /// An error.
     pub fn error(text: impl Into<String>) -> Message {
         Message { text: text.into().replace('\n', " "), is_error: true, said: Instant::now() }
     }
 
-    /// What was done.
+    /// A note.
     pub fn note(text: impl Into<String>) -> Message {
         Message { is_error: false, ..Message::error(text) }
     }
 
-    /// How much longer it is said; none where it no longer is.
+    /// Remaining display time; `None` if it is over.
     pub fn remaining(&self) -> Option<Duration> {
         match self.is_error {
             true => Some(Duration::MAX),

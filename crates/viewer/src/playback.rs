@@ -1,13 +1,13 @@
-//! How time runs while it is played.
+//! Playback of time.
 
-/// Speed, and the part of time that is shown.
+/// Speed, range and repetition of time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Playback {
-    /// Seconds of the scene in a second.
+    /// Seconds of the scene per second.
     pub speed: f64,
-    /// First and last time of the timeline, seconds.
+    /// Start and end of the timeline, seconds.
     pub range: [f64; 2],
-    /// Whether time begins again at its end.
+    /// Whether time repeats from the start at the end.
     pub repeats: bool,
 }
 
@@ -18,7 +18,7 @@ impl Default for Playback {
 }
 
 impl Playback {
-    /// Draws the line out, by its own length, until a time is on it; a part that repeats stays as it is.
+    /// Extends the end of the timeline by multiples of its length to include a time; a repeated range stays.
     pub fn reach(&mut self, time: f64) {
         let [from, to] = &mut self.range;
         if self.repeats || !time.is_finite() {
@@ -31,7 +31,7 @@ impl Playback {
         }
     }
 
-    /// The time, so many seconds of the window after another.
+    /// The time `passed` seconds after `time`.
     pub fn after(&self, time: f64, passed: f64) -> f64 {
         let next = time + self.speed * passed;
         let [from, to] = self.range;

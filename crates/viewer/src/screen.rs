@@ -1,4 +1,4 @@
-//! How a picture gets on the screen: its colors and its place.
+//! The picture on the screen: encoding and placement.
 
 use super::compare::{CompareMode, Comparison};
 use egui::epaint::Vertex;
@@ -8,16 +8,16 @@ use hypertexture::scene::{Color, linear_to_srgb};
 use rayon::prelude::*;
 use std::sync::{Arc, LazyLock};
 
-/// The greys of the checkerboard behind a picture without a background: dark, so that what glows is seen.
+/// Gray levels of the checkerboard behind transparent pictures: dark, so that glow is visible.
 const BEHIND: [u8; 2] = [28, 42];
-/// Side of its squares, in pixels of the screen.
+/// Side of its squares, screen pixels.
 const SQUARE: f32 = 12.0;
-/// Cells along a side of a picture that is moved. Fewer: edges bend where the cells meet.
+/// Cells along a side of a reprojected picture. Lower: bent edges.
 const GRID: u32 = 32;
-/// Entries of the table of codes, by the square root of the light: the darkest codes are the closest.
+/// Entries of the sRGB table, which is indexed by the square root: dark codes are the closest.
 const TABLE: usize = 4096;
 
-/// Codes of linear light, by its square root.
+/// sRGB codes of linear light.
 static CODES: LazyLock<Vec<f32>> = LazyLock::new(|| {
     let code = |index: usize| {
         let root = (index as f32 + 0.5) / TABLE as f32;
@@ -42,8 +42,8 @@ fn image(light: &[[f32; 3]], size: [u32; 2]) -> ColorImage {
     ColorImage::new(size.map(|side| side as usize), pixels.collect())
 }
 
-/// A pixel over its background; without one, to be mixed with the checkerboard. The window mixes codes, and light is what
-/// adds up: the opacity is the one by which both greys come out, in the mean of the channels.
+/// Encodes a pixel over its background, or with an alpha for the checkerboard. The window blends codes, not light:
+/// the alpha reproduces the blend over both gray levels, in the mean of the channels.
 fn shown(pixel: &[f32; 4], background: Option<[f32; 3]>) -> Color32 {
     let over = |behind: [f32; 3]| [0, 1, 2].map(|c| code(pixel[c] + (1.0 - pixel[3]) * behind[c]));
     let behind = match background {
@@ -61,7 +61,7 @@ fn shown(pixel: &[f32; 4], background: Option<[f32; 3]>) -> Color32 {
     Color32::from_rgba_premultiplied(r, g, b, (255.0 * (1.0 - through)).round() as u8)
 }
 
-/// Pictures over their backgrounds as codes; those without one are mixed with the checkerboard.
+/// Encodes pictures over their backgrounds, or with alpha.
 pub(super) fn encode_srgb(frames: &[&[[f32; 4]]], backgrounds: &[Option<Color>], size: [u32; 2]) -> Vec<ColorImage> {
     let encode = |(frame, background): (&&[[f32; 4]], &Option<Color>)| {
         let behind = background.map(Color::linear);
@@ -71,7 +71,7 @@ pub(super) fn encode_srgb(frames: &[&[[f32; 4]]], backgrounds: &[Option<Color>],
     frames.iter().zip(backgrounds).map(encode).collect()
 }
 
-/// The squares behind what is transparent: those of the screen, however coarse or moved the picture in front is.
+/// The checkerboard, fixed to the screen.
 fn checkerboard(place: Rect, pixels_per_point: f32) -> Mesh {
     let side = SQUARE / pixels_per_point;
     let mut mesh = Mesh::default();
@@ -87,7 +87,7 @@ fn checkerboard(place: Rect, pixels_per_point: f32) -> Mesh {
     mesh
 }
 
-/// What lies between two pictures, enlarged: of each channel, or of opacity where that is more.
+/// The amplified difference of two pictures: of each channel, or of the opacity if that is larger.
 fn difference(frames: &[Frame], size: [u32; 2], gain: f32) -> Option<ColorImage> {
     let [a, b] = frames else { return None };
     let apart = a.par_iter().zip(b.par_iter()).map(|(a, b)| {
@@ -100,39 +100,39 @@ fn difference(frames: &[Frame], size: [u32; 2], gain: f32) -> Option<ColorImage>
 /// Premultiplied linear RGBA, row by row from the top.
 pub(super) type Frame = Arc<[[f32; 4]]>;
 
-/// The pictures on the screen.
+/// Textures of the pictures.
 #[derive(Default)]
 pub(super) struct Screen {
     textures: Vec<TextureHandle>,
-    /// What came and is not a texture yet, or was one of a device that is gone.
+    /// Images for the next upload, kept for the replacement of a lost device.
     images: Vec<ColorImage>,
     fresh: bool,
-    /// Whether something is seen through them.
+    /// Whether a pixel is transparent.
     is_clear: bool,
-    /// The pictures as they were rendered, one for each variant, and their size.
+    /// The rendered pictures, one for each variant, and their size.
     pub(super) frames: Vec<Frame>,
     pub(super) size: [u32; 2],
-    /// Where they are looked at from, and where they would be now, where that is another place.
+    /// View of the picture and current view, if they differ.
     pub(super) moved: Option<(ViewPose, ViewPose)>,
-    /// The texture of their difference, and its gain.
+    /// The texture of the difference, and its gain.
     difference: Option<(TextureHandle, f32)>,
 }
 
 impl Screen {
-    /// Takes the images of a picture, and what they are of.
+    /// Receives the images of a picture and its linear pixels.
     pub(super) fn take(&mut self, images: Vec<ColorImage>, frames: Vec<Frame>, size: [u32; 2]) {
         self.is_clear = images.iter().any(|image| image.pixels.par_iter().any(|pixel| !pixel.is_opaque()));
         (self.images, self.frames, self.size) = (images, frames, size);
         (self.fresh, self.difference) = (true, None);
     }
 
-    /// Forgets the textures: their device is gone.
+    /// Drops the textures of a lost device.
     pub(super) fn forget(&mut self) {
         self.textures.clear();
         (self.fresh, self.difference) = (true, None);
     }
 
-    /// Draws the picture, or two as `comparison` says; as it would be seen now, about, where it was moved since.
+    /// Draws the picture or the comparison, reprojected to the current view.
     pub(super) fn draw(&mut self, ui: &Ui, place: Rect, comparison: &Comparison) {
         if std::mem::take(&mut self.fresh) {
             for (index, image) in self.images.iter().enumerate() {
@@ -148,7 +148,7 @@ impl Screen {
         }
         let painter = ui.painter_at(place);
         match self.images.first().and_then(|image| image.pixels.first()) {
-            // A picture that was moved leaves gaps at its sides, where its corner is.
+            // A reprojected picture leaves gaps at its sides, which get the color of its corner.
             Some(corner) if !self.is_clear => drop(painter.rect_filled(place, 0.0, *corner)),
             _ => drop(painter.add(Shape::mesh(checkerboard(place, ui.ctx().pixels_per_point())))),
         }
@@ -185,7 +185,7 @@ impl Screen {
     }
 }
 
-/// A picture in a place, whose points are `moved`; from -1 to 1, to the right and down.
+/// A picture with its grid points displaced by `moved`, in coordinates from -1 to 1, right and down.
 fn mesh(texture: TextureId, place: Rect, moved: impl Fn([f32; 2]) -> [f32; 2]) -> Mesh {
     let mut mesh = Mesh::with_texture(texture);
     for row in 0..=GRID {

@@ -1,65 +1,65 @@
-//! What the window knows about its picture.
+//! Status of the picture.
 
-/// How good the picture on the screen is.
+/// Stage of the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Stage {
-    /// There is none yet.
+    /// No picture.
     #[default]
     None,
-    /// Fewer pixels and samples than the scene asks for, in time for the next one.
+    /// A preview with fewer pixels and samples.
     Coarse,
-    /// On the way from there to the next: some rows are of that already.
+    /// A mixture of a preview and the scene's own picture.
     Partial,
-    /// What `render` makes of the scene, in the size of the window.
+    /// The scene's own picture, as `render` makes it in the size of the window.
     Scene,
-    /// The mean of so many pictures, each with its own place in the pixels and phase.
+    /// The mean of this many sub-frames.
     Refined(u32),
-    /// As good as was asked for.
+    /// A mean within the error target.
     Converged(u32),
-    /// In place of a converged one: which pixels of the scene's own are not to be trusted.
+    /// The validity of the pixels.
     Validity,
 }
 
-/// What the window knows about its picture.
+/// Status of the picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Figures {
     /// Device and driver.
     pub(super) device: String,
-    /// How good the picture is.
+    /// Stage of the picture.
     pub(super) stage: Stage,
-    /// Its width and height in pixels.
+    /// Width and height, pixels.
     pub(super) size: [u32; 2],
-    /// Samples of its rays.
+    /// Samples of a ray.
     pub(super) samples: u32,
-    /// Milliseconds on the device.
+    /// Time on the device, milliseconds.
     pub(super) gpu_ms: f64,
     /// Whether the device is the CPU.
     pub(super) is_cpu: bool,
-    /// Milliseconds that a picture may take while the scene moves.
+    /// Time budget of a preview, milliseconds.
     pub(super) budget_ms: f64,
-    /// Root mean square difference from the converged image, about; linear light, all channels.
+    /// Estimated root mean square error, linear light, all channels.
     pub(super) error: Option<f64>,
-    /// Standard error of a value of the mean, root mean square: that of independent pictures, so it is an upper bound.
+    /// Standard error of a value of the mean: an upper bound, as the sub-frames are not independent.
     pub(super) standard_error: Option<f64>,
-    /// The difference of two variants that are as finely sampled, root mean square.
+    /// Root mean square difference of two equally sampled variants.
     pub(super) difference: Option<f64>,
-    /// Milliseconds of the last coarse pictures, the newest last.
+    /// Times of the last previews, the newest last, milliseconds.
     pub(super) recent_ms: Vec<f64>,
-    /// Frames of the recording, finished and in all.
+    /// Finished frames and all frames of a turntable.
     pub(super) recording: Option<(u32, u32)>,
-    /// What the colors of pixels that are not to be trusted mean; empty where the picture is shown.
+    /// Legend of the validity colors.
     pub(super) validity: Vec<([u8; 3], String)>,
-    /// How much of the search for a way to draw is done, 0 to 1.
+    /// Progress of the search for the fastest settings, 0 to 1.
     pub(super) picking: Option<f32>,
-    /// Fields of the scene that change nothing in the picture.
+    /// Fields of the scene without an effect on the picture.
     pub(super) ignored: Vec<String>,
-    /// What the picture was made with.
+    /// The list of facts about the rendering.
     pub(super) made: Vec<[String; 2]>,
 }
 
 impl Figures {
-    /// What is on the screen, and how far it is from a picture whose error is at most `max_error`: the error of a mean falls
-    /// with the square root of its pictures.
+    /// Stage in words, with the progress towards `max_error`: the error of a mean falls with the square root of its
+    /// pictures.
     pub(super) fn words(&self, max_error: f64) -> String {
         let done = self.error.map(|error| ((max_error / error).powi(2) * 100.0).clamp(0.0, 99.0));
         match self.stage {
@@ -72,7 +72,7 @@ impl Figures {
                 None => format!("converging, picture {count}"),
             },
             Stage::Converged(_) => "converged".into(),
-            Stage::Validity => "validity: colored pixels are not to be trusted".into(),
+            Stage::Validity => "validity: colored pixels are invalid".into(),
         }
     }
 }

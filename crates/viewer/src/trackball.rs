@@ -1,43 +1,42 @@
-//! The virtual trackball: a ball in the middle of the view that the pointer takes hold of.
+//! The virtual trackball.
 //!
-//! Source: Bell's ball, after Chen, Mountford and Sellen 1988: a sphere, and a hyperbolic sheet around it, so that the
-//! motion has no edge. Invariant: the turn is a unit quaternion to the last bits of f64, after any number of drags: it is
-//! normalized after each.
+//! Source: Bell's trackball, after Chen, Mountford and Sellen 1988: a sphere and a hyperbolic sheet around it, so
+//! that the motion has no edge. Invariant: the rotation is normalized after each drag, to the last bits of f64.
 
 use glam::{DQuat, DVec3};
 use hypertexture::scene::Camera;
 
-/// A turn from object space to that of the camera.
+/// A rotation from object space to camera space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trackball {
     turn: DQuat,
 }
 
 impl Trackball {
-    /// The turn of a camera.
+    /// The rotation of a camera.
     pub fn of(camera: &Camera) -> Trackball {
         Trackball { turn: camera.turn().as_dquat().normalize() }
     }
 
-    /// Takes the turn of a camera, unless it is this one rounded: then nothing of it is lost.
+    /// Takes the rotation of a camera, unless that is this one rounded to f32.
     pub fn follow(&mut self, camera: &Camera) {
         if camera.rotation != Some(self.rotation()) {
             *self = Trackball::of(camera);
         }
     }
 
-    /// The turn, for [`Camera::rotation`].
+    /// The rotation for [`Camera::rotation`].
     pub fn rotation(&self) -> [f32; 4] {
         self.turn.as_quat().to_array()
     }
 
-    /// The turn.
+    /// The rotation.
     pub fn turn(&self) -> DQuat {
         self.turn
     }
 
-    /// Moves the pointer over the ball. Places are right and up from the middle of the view, in units of the radius.
-    /// Gives the turn that this was: its axis, and the angle in radians.
+    /// Drags the ball between two positions, right and up from the center in units of its radius. Returns axis and
+    /// angle of the rotation, radians.
     pub fn drag(&mut self, from: [f64; 2], to: [f64; 2]) -> (DVec3, f64) {
         let arc = DQuat::from_rotation_arc(on_ball(from), on_ball(to));
         let (axis, angle) = arc.to_axis_angle();
@@ -45,25 +44,24 @@ impl Trackball {
         (axis, angle)
     }
 
-    /// Turns by an angle in radians around an axis of eye space, a unit vector.
+    /// Rotates by an angle in radians around a unit axis in eye space.
     pub fn spin(&mut self, axis: DVec3, angle: f64) {
         self.turn = (DQuat::from_axis_angle(axis, angle) * self.turn).normalize();
     }
 }
 
-/// Azimuth and elevation in degrees from which a camera looks, whatever its roll: -180 to 180 and -90 to 90.
+/// Azimuth and elevation of a camera with any roll, degrees: -180 to 180 and -90 to 90.
 pub(super) fn level_angles(camera: &Camera) -> [f32; 2] {
     if camera.rotation.is_none() {
         return [camera.azimuth, camera.elevation];
     }
     let from = camera.turn().as_dquat().inverse() * DVec3::Z;
-    // Looking along the vertical axis, any azimuth is as good: the last one stays.
+    // The azimuth of a vertical view is arbitrary.
     let azimuth = if from.x.hypot(from.z) < 1e-6 { camera.azimuth } else { from.x.atan2(from.z).to_degrees() as f32 };
     [azimuth, from.y.clamp(-1.0, 1.0).asin().to_degrees() as f32]
 }
 
-/// A camera that a drag to the right and down, in parts of half a turn, has moved on a level orbit: the vertical axis of
-/// the object stays upright.
+/// A level orbit by a drag right and down, in fractions of half a turn: the vertical axis stays upright.
 pub(super) fn orbit(camera: &Camera, [right, down]: [f32; 2]) -> Camera {
     let [azimuth, elevation] = level_angles(camera);
     let azimuth = (azimuth - 180.0 * right + 180.0).rem_euclid(360.0) - 180.0;
@@ -71,14 +69,14 @@ pub(super) fn orbit(camera: &Camera, [right, down]: [f32; 2]) -> Camera {
     Camera { azimuth, elevation, rotation: None, ..camera.clone() }
 }
 
-/// The place of a light that a drag over the ball has moved around the object; right, up and toward the camera.
+/// The position of a light after a drag over the ball; right, up and toward the camera.
 pub(super) fn drag_light(position: [f32; 3], from: [f64; 2], to: [f64; 2]) -> [f32; 3] {
     let arc = DQuat::from_rotation_arc(on_ball(from), on_ball(to));
     (arc * DVec3::from(position.map(f64::from))).as_vec3().to_array()
 }
 
-/// A camera that comes closer by a factor, with what is seen under the pointer staying there. `at` is the pointer right and
-/// up from the middle of the picture, in units of half its height; `half` is that height in object units.
+/// Zooms by a factor towards a point, which stays in place. `at` is the point right and up from the center, in units
+/// of half the height of the picture; `half` is that height in object units.
 pub(super) fn zoom_to(camera: &Camera, factor: f32, at: [f32; 2], half: f32) -> Camera {
     let zoom = (camera.zoom * factor).clamp(0.02, 100.0);
     let moved = half * (camera.zoom / zoom - 1.0);
@@ -86,7 +84,7 @@ pub(super) fn zoom_to(camera: &Camera, factor: f32, at: [f32; 2], half: f32) -> 
     Camera { zoom, pan, ..camera.clone() }
 }
 
-/// The unit vector to the place on the ball, or on the sheet around it, that is seen at a place of the view.
+/// The unit vector of a position on the sphere or the sheet.
 fn on_ball([x, y]: [f64; 2]) -> DVec3 {
     let square = x * x + y * y;
     let z = if square <= 0.5 { (1.0 - square).sqrt() } else { 0.5 / square.sqrt() };

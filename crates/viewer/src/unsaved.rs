@@ -1,4 +1,4 @@
-//! What no file holds when the window closes, so that nothing is lost.
+//! Unsaved work, stored when the window closes.
 
 use super::author::Author;
 use super::model::Model;
@@ -11,10 +11,10 @@ use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 use std::time::SystemTime;
 use support::{open, write_whole};
 
-/// The modules that ship.
+/// Shipped modules.
 static SHIPPED: LazyLock<Library> = LazyLock::new(shader::shipped);
 
-/// What no file holds: a scene, and texts of modules by their paths in the library.
+/// Unsaved work: a scene, and texts of modules by path.
 #[derive(Clone, Default)]
 pub struct Unsaved {
     scene: Option<Scene>,
@@ -22,15 +22,16 @@ pub struct Unsaved {
 }
 
 impl Unsaved {
-    /// What there is of it now.
+    /// The current unsaved work.
     pub fn of(model: &Model, author: &Author) -> Unsaved {
         Unsaved { scene: model.is_dirty().then(|| model.scene().clone()), texts: texts(model, author) }
     }
 
-    /// Writes it into `folder`, which is made; whether there is any. The scene finds its own modules there.
+    /// Writes the unsaved work to a folder; returns whether there is any. The scene refers to its custom modules in
+    /// that folder.
     ///
     /// # Errors
-    /// The folder cannot be written to.
+    /// The folder cannot be written.
     pub fn keep(&self, folder: &Path) -> Result<bool, String> {
         let mut files = self.texts.clone();
         if let Some(mut scene) = self.scene.clone() {
@@ -51,11 +52,11 @@ impl Unsaved {
     }
 }
 
-/// The newest of it, for a thread that ends the program while the window is at work.
+/// The newest unsaved work, shared with threads that exit the program.
 #[derive(Clone, Default)]
 pub(super) struct Latest(Arc<Mutex<Noted>>);
 
-/// What it was made of, and itself.
+/// The unsaved work, and the module from which it was derived.
 #[derive(Default)]
 struct Noted {
     module: [String; 2],
@@ -63,7 +64,7 @@ struct Noted {
 }
 
 impl Latest {
-    /// Takes what has changed since the last call. To be called once for each frame.
+    /// Records changes. Called once per frame.
     pub(super) fn note(&self, model: &Model, author: &Author) {
         let mut noted = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let scene = model.is_dirty().then(|| model.scene());
@@ -73,21 +74,21 @@ impl Latest {
         }
     }
 
-    /// Keeps it, and says where; `None` where there is none, or where it cannot be kept.
+    /// Writes the unsaved work to a new folder and returns that; `None` if there is none, or if it fails.
     pub(super) fn keep(&self) -> Option<PathBuf> {
         let folder = folder()?;
         let noted = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         match noted.unsaved.keep(&folder) {
             Ok(any) => any.then_some(folder),
             Err(error) => {
-                log::warn!("what was not saved is lost: {error}");
+                log::warn!("unsaved work is lost: {error}");
                 None
             }
         }
     }
 }
 
-/// Folders of the cache in which something was kept, the newest first.
+/// Folders with unsaved work, the newest first.
 pub(super) fn kept() -> Vec<PathBuf> {
     let root = support::disk_cache::default_folder().map(|folder| folder.join("unsaved"));
     let entries = root.and_then(|root| fs::read_dir(root).ok()).into_iter().flatten();
@@ -98,7 +99,7 @@ pub(super) fn kept() -> Vec<PathBuf> {
     folders
 }
 
-/// The texts of modules in such a folder.
+/// The module files in such a folder.
 pub(super) fn modules(folder: &Path) -> Vec<PathBuf> {
     let within =
         |folder: &Path| fs::read_dir(folder).into_iter().flatten().filter_map(|entry| Some(entry.ok()?.path()));
@@ -107,17 +108,17 @@ pub(super) fn modules(folder: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// A folder of the cache that nothing was kept in yet.
+/// A new folder in the cache.
 fn folder() -> Option<PathBuf> {
     let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
     Some(support::disk_cache::default_folder()?.join("unsaved").join(now.as_millis().to_string()))
 }
 
-/// Texts of modules that neither ship nor are in a file, by their paths in the library.
+/// Texts of modules that are neither shipped nor in a file, by path.
 pub fn texts(model: &Model, author: &Author) -> BTreeMap<String, String> {
     let shipped = &*SHIPPED;
     let written = author.path();
-    // What is being written goes before what was good.
+    // The edited text replaces the last good one.
     let all = model.library().sources().chain(author.drafts()).chain([(written.as_str(), author.text.as_str())]);
     let mut texts: BTreeMap<String, String> = all
         .collect::<BTreeMap<_, _>>()

@@ -86,6 +86,7 @@ impl UnusedSettings {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::background::silent;
     use hypertexture::render::Subject;
     use hypertexture::scene::preset;
     use std::time::Instant;
@@ -112,9 +113,8 @@ mod tests {
     #[test]
     fn what_a_lit_cube_does_not_read_is_known_without_a_picture() {
         let mut unused = UnusedSettings::default();
-        let notify: Notify = Arc::new(|| ());
         let [lit, fire] = ["lit", "fire"].map(job);
-        unused.request(&lit, &notify);
+        unused.request(&lit, &silent());
         let idle = wait(&mut unused, &lit);
         for name in ["effect.turbulence", "effect.project", "effect.index", "effect.absorption"] {
             assert!(idle.contains(&name.to_string()), "{name}: {idle:?}");
@@ -122,9 +122,9 @@ mod tests {
         assert!(!idle.contains(&"light.intensity".to_string()), "{idle:?}");
         // Another effect reads turbulence, also before it is known; the first is known when it is back.
         assert!(unused.poll(&fire.variants[0].scene).is_empty());
-        unused.request(&fire, &notify);
+        unused.request(&fire, &silent());
         assert!(!wait(&mut unused, &fire).contains(&"effect.turbulence".to_string()));
-        unused.request(&lit, &notify);
+        unused.request(&lit, &silent());
         assert!(unused.running.is_none());
         assert_eq!(unused.poll(&lit.variants[0].scene), idle);
     }

@@ -1,4 +1,4 @@
-//! The editor of a module: words to complete, words to find, and what is wrong at its line.
+//! The GLSL editor: completion, search, and errors at their lines.
 
 use super::Hand;
 use egui::accesskit::{Action, ActionRequest, Role};
@@ -32,17 +32,17 @@ fn at_end(hand: &mut Hand) {
     hand.0.run_steps(1);
 }
 
-/// Whether the list has a word.
+/// Whether the completion list has a word.
 fn offers(hand: &Hand, word: &str) -> bool {
     hand.0.query_all_by_label(word).any(|node| node.accesskit_node().role() == Role::Button)
 }
 
-/// Whether a label says this.
+/// Whether there is a label of this text.
 fn says(hand: &Hand, text: &str) -> bool {
     hand.0.query_all_by_value(text).next().is_some()
 }
 
-/// Until the compiler has refused the text.
+/// Waits until the compiler has refused the text.
 fn wait_for_faults(hand: &mut Hand) {
     let start = Instant::now();
     while !matches!(hand.0.state_mut().panels.author().state(), State::Bad(_)) {
@@ -53,7 +53,7 @@ fn wait_for_faults(hand: &mut Hand) {
     hand.0.run_steps(2);
 }
 
-/// The texts that are painted, with where they are and where they are cut off.
+/// The painted texts with their rectangles and clip rectangles.
 fn painted(hand: &Hand) -> Vec<(String, Rect, Rect)> {
     let shapes = hand.0.output().shapes.iter();
     let texts = shapes.filter_map(|clipped| match &clipped.shape {
@@ -79,7 +79,7 @@ fn words_are_completed_by_keys_and_nothing_else_is_changed() {
     hand.0.run_steps(2);
     write(&mut hand, ", 1.0);");
     assert_eq!(text(&mut hand), format!("{before}float q = smoothstep(0.0, fineness, 1.0);"));
-    // Asked for, the list has the arrows and Enter; Escape closes it, and the keys stay in the text.
+    // An explicitly opened list owns the arrow keys and Enter; Escape closes it, and the text keeps the focus.
     write(&mut hand, " m");
     assert!(!offers(&hand, "max"));
     hand.0.key_press_modifiers(Modifiers::COMMAND, Key::Space);
@@ -95,7 +95,7 @@ fn words_are_completed_by_keys_and_nothing_else_is_changed() {
     hand.0.key_press(Key::Enter);
     hand.0.run_steps(2);
     assert!(text(&mut hand).ends_with(", 1.0); min"), "{}", text(&mut hand));
-    // Without a list, Enter is a new line.
+    // Without a list, Enter inserts a line.
     hand.0.key_press(Key::Enter);
     hand.0.run_steps(2);
     assert!(text(&mut hand).ends_with(", 1.0); min\n"));
@@ -111,7 +111,7 @@ fn a_word_is_found_one_place_after_another() {
     hand.0.run_steps(2);
     write(&mut hand, "noise");
     hand.0.run_steps(2);
-    // The keys are in the field of what is looked for; the cursor of the text stands behind the match.
+    // The search field has the focus; the cursor of the text is behind the match.
     let found = |hand: &Hand| {
         let range = TextEdit::load_state(&hand.0.ctx, Id::new("author.text")).unwrap().cursor.char_range().unwrap();
         usize::from(range.primary.index)
@@ -142,16 +142,16 @@ fn what_is_wrong_stands_at_its_line_on_the_screen_and_the_text_does_not_move() {
     write(&mut hand, &format!("float {long} = tangled;"));
     wait_for_faults(&mut hand);
     assert_eq!(hand.rect("author.text").top(), place.top());
-    // The line is longer than the panel is wide, and what is wrong is on the screen all the same.
+    // The line is wider than the panel, and its error is still visible.
     let (message, rect, clip) = painted(&hand).into_iter().find(|(text, ..)| text.starts_with('◀')).unwrap();
     assert!(message.contains("tangled"), "{message}");
     assert!(rect.left() >= clip.left() && rect.right() <= clip.right(), "{rect:?} in {clip:?}");
-    // The text is scrolled to the cursor, and the numbers are where they were.
+    // The text scrolls to the cursor; the line numbers do not scroll sideways.
     let number = |hand: &Hand, text: &str| painted(hand).into_iter().find(|(found, ..)| found == text).unwrap();
     let (_, seven, clip) = number(&hand, "7");
     assert!(seven.left() >= clip.left() && seven.right() < clip.left() + 45.0, "{seven:?} in {clip:?}");
     hand.picture("wrong_line");
-    // Wrapped, a line keeps its one number, and goes on below.
+    // A wrapped line has one number.
     let row = hand.rect("author.text").height();
     hand.click("author.wrap");
     hand.0.run_steps(3);

@@ -1,4 +1,4 @@
-//! Needs of a newcomer: presets, words, the keyboard alone, small windows.
+//! Beginners: presets, terms, keyboard control, small windows.
 
 use super::Hand;
 use egui::Key;
@@ -24,7 +24,7 @@ fn every_preset_is_taken_on_the_object_of_every_other() {
         for pass in [scene::Pass::March, scene::Pass::Slices] {
             let mut start = preset(from).unwrap();
             start.quality.pass = pass;
-            // Not every example can be drawn by slices.
+            // Some presets do not support slices.
             let Ok(mut model) = Model::new(start, shader::shipped()) else { continue };
             for name in &names {
                 let before = model.scene().clone();
@@ -66,7 +66,7 @@ fn a_parameter_goes_back_to_what_the_preset_says() {
         hand.click(&format!("parameters.{name}.reset"));
         assert_eq!(hand.scene().parameters[name], own[name]);
     }
-    // Defaults of the module hold where the preset is silent.
+    // The default of a parameter that the preset does not set is that of its module.
     let model = hand.model();
     let (parameter, before) = model.parameters(None).iter().find(|(own, _)| own.name == "sheen").unwrap();
     let (parameter, before) = (parameter.clone(), before.clone());
@@ -131,7 +131,7 @@ fn azimuth_and_elevation_follow_a_turn_and_asking_for_one_keeps_the_other() {
     let rotation = turned.turn().to_array();
     hand.model().edit("camera", |scene| scene.camera.rotation = Some(rotation));
     hand.0.run_steps(2);
-    // Both are idle then, and are there all the same.
+    // Both are idle, and still have controls.
     hand.0.state_mut().status.idle = vec!["camera.azimuth".into(), "camera.elevation".into()];
     hand.0.run_steps(2);
     let value = |hand: &Hand, name: &str| hand.0.get_by_label(name).accesskit_node().numeric_value().unwrap();
@@ -188,7 +188,7 @@ fn messages_have_a_place_of_their_own_and_the_picture_keeps_its_size() {
     }
     assert_eq!(hand.rect("undo"), line);
     hand.picture("messages");
-    // The next change is taken: what went wrong no longer holds.
+    // The next change is accepted, which ends the error.
     hand.set("parameters.sheen", 0.5);
     assert!(hand.0.query_all_by_value("something went wrong").next().is_none());
 }
@@ -210,7 +210,7 @@ fn of_a_small_window_the_picture_keeps_most_and_panels_hide() {
     assert!(has(&hand, "undo"));
 }
 
-/// Names of the controls that the keys reach, by Tab alone, until it comes around.
+/// Names of the controls in the order of the Tab key.
 fn by_tab(hand: &mut Hand) -> BTreeSet<String> {
     let mut reached = BTreeSet::new();
     let mut fresh = 0;
@@ -306,7 +306,7 @@ fn final_pictures_are_rendered_beside_the_window() {
     hand.set("final.supersampling", 1.0);
     hand.picture("final");
     hand.click("final.render");
-    // It ends with the window, which asks for that.
+    // The process ends with the window, which asks first.
     hand.click("quit");
     assert_eq!(hand.0.state().requests, []);
     hand.click("ask.no");
@@ -315,14 +315,14 @@ fn final_pictures_are_rendered_beside_the_window() {
     assert_eq!(image::open(&picture).unwrap().to_rgba8().dimensions(), (24, 16));
     let shown = hypertexture::output::read_provenance(&picture).unwrap();
     assert_eq!(shown.scene(&picture, scene::Reach::Anywhere).unwrap().quality.samples, 16);
-    assert!(!line(&hand, &format!("{} is there", picture.display())), "it is the window's own");
+    assert!(!line(&hand, &format!("{} exists", picture.display())), "it is the window's own");
 
     hand.click("final.sequence");
     hand.write("final.file", frames.to_str().unwrap());
     hand.set("final.frames", 3.0);
     fs::write(folder.path().join("frame_00.png"), "of somebody else").unwrap();
     hand.0.run_steps(2);
-    assert!(line(&hand, &format!("{} is there", folder.path().join("frame_00.png").display())));
+    assert!(line(&hand, &format!("{} exists", folder.path().join("frame_00.png").display())));
     hand.click("final.render");
     wait(&mut hand);
     let all: Vec<_> = (0..3).map(|n| image::open(folder.path().join(format!("frame_0{n}.png"))).unwrap()).collect();
@@ -345,7 +345,7 @@ fn nothing_is_wider_than_the_panel_however_narrow_the_window_is() {
         hand.click("Made with");
         hand.0.set_size(egui::vec2(width, 7000.0));
         hand.0.run_steps(8);
-        // The panel is right of the picture.
+        // The panel is at the right of the picture.
         let left = hand.0.state().left;
         let is_control = |role| ![Role::GenericContainer, Role::Window, Role::TextRun, Role::Unknown].contains(&role);
         let all = hand.0.query_all_by(|node| is_control(node.role()));

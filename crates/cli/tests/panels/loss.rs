@@ -1,4 +1,4 @@
-//! Nothing is lost: what is typed, what others have written, and what no file holds.
+//! Protection of unsaved work and of files of other programs.
 
 use super::Hand;
 use egui::{Event, Key};
@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use viewer::author::{State, WATCH};
 use viewer::panels::Request;
 
-/// The editor keeps its keys while errors come and go above and beside it.
+/// The editor keeps the focus while errors appear and disappear around it.
 #[test]
 fn a_long_broken_text_is_typed_whole_while_errors_come_and_go() {
     let mut hand = Hand::new(preset("fur").unwrap());
@@ -29,7 +29,7 @@ fn a_long_broken_text_is_typed_whole_while_errors_come_and_go() {
         }
         hand.0.run_steps(1);
         if index % 20 == 0 {
-            // Time for the compiler, whose answer changes what is around the text.
+            // Waits for the compiler, whose result changes the controls around the text.
             let start = Instant::now();
             sleep(Duration::from_millis(150));
             hand.0.run_steps(2);
@@ -62,7 +62,7 @@ fn a_file_that_others_wrote_is_replaced_once_a_person_says_so() {
     hand.picture("replace");
     hand.click("ask.yes");
     assert!(held().contains("[effect]"), "{}", held());
-    // The window overwrites its own file until somebody else has changed it.
+    // The window overwrites its own file without a question, until another program has written it.
     hand.set("material.specular", 0.75);
     hand.click("file.save");
     assert!(hand.0.query_by_label("ask.yes").is_none() && held().contains("specular = 0.75"));
@@ -124,7 +124,7 @@ fn what_was_kept_is_offered_and_comes_back_and_opened_files_are_remembered() {
     assert_eq!(hand.scene(), scene);
     assert_eq!(hand.0.state_mut().panels.author().text, own);
     assert!(hand.0.query_by_label("kept.open").is_none() && kept.join("scene.toml").exists());
-    // The next window knows the file.
+    // The next window lists the file.
     let mut next = Hand::new(preset("fur").unwrap());
     next.0.state_mut().panels.remember(Vec::new(), cache);
     next.click("File");
@@ -168,7 +168,7 @@ fn a_scene_without_a_file_is_saved_where_a_name_is_given() {
     assert!(fs::read_to_string(&scene).unwrap().contains("specular = 0.25"));
 }
 
-/// Steps until a file that is followed has led to something.
+/// Runs frames until a watched file has an effect.
 fn wait(hand: &mut Hand, is_there: impl Fn(&mut Hand) -> bool) {
     let start = Instant::now();
     while !is_there(hand) {
@@ -186,7 +186,7 @@ fn a_file_is_followed_while_the_editor_is_closed_and_its_end_is_said() {
         |part: &str| format!("// Half.\nfloat half_of(float density, Sample s) {{ return {part} * density; }}\n");
     fs::write(&file, text("0.5")).unwrap();
     let mut hand = Hand::new(preset("fur").unwrap());
-    // How long nothing happens where nobody moves.
+    // Repaint delay without input.
     let rests = |hand: &Hand| hand.0.output().viewport_output[&egui::ViewportId::ROOT].repaint_delay;
     hand.0.run_steps(60);
     assert!(rests(&hand) > WATCH);
@@ -201,7 +201,7 @@ fn a_file_is_followed_while_the_editor_is_closed_and_its_end_is_said() {
     wait(&mut hand, has(text("0.25")));
     fs::remove_file(&file).unwrap();
     let says = |hand: &mut Hand| {
-        let is_it = |text: &String| text.contains("half_of.glsl is gone");
+        let is_it = |text: &String| text.contains("half_of.glsl was deleted");
         hand.0.query_all_by(move |node| node.value().as_ref().is_some_and(is_it)).count() == 1
     };
     wait(&mut hand, says);

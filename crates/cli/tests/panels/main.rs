@@ -1,4 +1,4 @@
-//! The panels of the live window, used as a person uses them: by the names of their controls, without a window.
+//! The panels, controlled by the accessible names of their controls, without a window.
 #![cfg(feature = "viewer")]
 #![expect(clippy::unwrap_used, reason = "a test fails where a control is not as described")]
 
@@ -28,14 +28,14 @@ const SIZE: [usize; 2] = [1280, 1600];
 const SECTIONS: [&str; 9] =
     ["File", "Objects", "Object", "Transfer map", "Material", "Light and background", "Camera", "Accuracy", "Picture"];
 
-/// Model of the window.
+/// The state of a window.
 struct Desk {
     model: Model,
     panels: Panels,
     status: Status,
     requests: Vec<Request>,
     painter: Painter,
-    /// Area of the picture.
+    /// The area left for the picture.
     left: egui::Rect,
 }
 
@@ -61,14 +61,14 @@ impl Hand {
         hand
     }
 
-    /// With the sections of the advanced settings.
+    /// Panels with advanced settings.
     fn advanced(scene: Scene) -> Hand {
         let mut hand = Hand::new(scene);
         hand.click("view.advanced");
         hand
     }
 
-    /// With every section open, so that every control is there.
+    /// Panels with all sections open.
     fn open(scene: Scene) -> Hand {
         let mut hand = Hand::advanced(scene);
         SECTIONS.iter().for_each(|section| drop(hand.click(section)));
@@ -83,7 +83,7 @@ impl Hand {
         self.0.state().model.scene().clone()
     }
 
-    /// Does something with a control; gives what the panels ask of the system for it.
+    /// Performs an action on a control; returns the panels' commands to the system.
     fn act(&mut self, name: &str, action: Action, data: Option<ActionData>) -> Vec<egui::OutputCommand> {
         let (target_node, target_tree) = self.0.get_by_label(name).accesskit_node().locate();
         self.0.event(Event::AccessKitActionRequest(ActionRequest { action, target_node, target_tree, data }));
@@ -111,7 +111,7 @@ impl Hand {
         self.0.run_steps(2);
     }
 
-    /// Opens a list and takes an entry of it: the last control of that name, since lists lie above all.
+    /// Opens a list and chooses an entry: the last control of that name, as lists are on top.
     fn choose(&mut self, list: &str, entry: &str) {
         self.click(list);
         let is_entry = |node: &egui_kittest::Node<'_>| node.accesskit_node().role() == Role::Button;
@@ -129,7 +129,7 @@ impl Hand {
         }
     }
 
-    /// Names of the controls of a kind that are fields of a scene file.
+    /// Names of the controls of a role that are fields of a scene file.
     fn names(&self, role: Role) -> Vec<String> {
         let nodes = self.0.query_all_by(move |node| node.role() == role);
         nodes.filter_map(|node| node.accesskit_node().label()).filter(|name| name.contains('.')).collect()
@@ -169,7 +169,7 @@ impl Hand {
     }
 }
 
-/// A field of a scene by its name in a scene file; none where it has its default and is not written.
+/// A field of a scene; `None` if it has its default.
 fn number(scene: &Scene, name: &str) -> Option<f64> {
     let value = scene.fields().into_iter().find(|(field, _)| field == name)?.1;
     value.as_float().or(value.as_integer().map(|value| value as f64))
@@ -191,7 +191,7 @@ fn m53_every_slider_of_every_preset_sets_the_field_it_is_named_after() {
             let node = hand.0.get_by_label(slider);
             let node = node.accesskit_node();
             let (low, high) = (node.min_numeric_value().unwrap(), node.max_numeric_value().unwrap());
-            // A whole number, so that a field of whole numbers can have it; of a short range, a part.
+            // A value in the range: a whole number unless the range is short.
             let value = low + 0.3 * (high - low);
             let (value, off) = if high > 7.0 { (value.round(), 0.5) } else { (value, 1e-3) };
             hand.set(slider, value);
@@ -256,7 +256,7 @@ fn what_changes_nothing_is_said_below_the_picture() {
     assert!(hand.0.query_all_by_value("ignored: quality.seed = 7").next().is_some());
 }
 
-/// The opacity of the label of a row, 0 to 255.
+/// Opacity of the label of a row, 0 to 255.
 fn opacity(hand: &Hand, label: &str) -> u8 {
     let alphas = hand.0.output().shapes.iter().filter_map(|clipped| match &clipped.shape {
         egui::Shape::Text(text) if text.galley.text() == label => {
@@ -302,7 +302,7 @@ fn the_panel_has_its_width_again_when_the_window_has_room_for_it() {
     let wide = resize(&mut hand, 1280.0);
     assert!(resize(&mut hand, 420.0) < 0.6 * wide);
     assert_eq!(resize(&mut hand, 1280.0), wide);
-    // That is the width that was chosen by hand.
+    // The chosen width.
     let edge = egui::pos2(1280.0 - wide, 400.0);
     hand.drag(edge, edge + egui::vec2(60.0, 0.0));
     let chosen = resize(&mut hand, 1280.0);
@@ -479,7 +479,7 @@ fn presets_files_and_requests() {
         Request::Validity(true),
         Request::Quit,
     ];
-    // Wherever the transfer map is looked at, its histogram is asked for.
+    // The open transfer map requests its histogram in each frame.
     let asked: Vec<&Request> = requests.iter().filter(|request| **request != Request::Densities).collect();
     assert_eq!(asked, all.iter().collect::<Vec<_>>());
     let line = hand.model().command_line();
@@ -495,7 +495,7 @@ fn m52_what_is_typed_is_compiled_and_declared_parameters_become_sliders() {
     let wait = |hand: &mut Hand, done: &dyn Fn(&mut Panels) -> bool| {
         let start = Instant::now();
         while !done(&mut hand.0.state_mut().panels) {
-            // However busy the machine is: a test that fails ends.
+            // Timeout, generous for busy machines.
             assert!(start.elapsed() < Duration::from_secs(1800), "{:?}", hand.0.state_mut().panels.author().state());
             hand.0.run_steps(1);
             sleep(Duration::from_millis(10));

@@ -1,4 +1,4 @@
-//! Paints what egui asks for on the processor, so that the panels can be looked at without a window or a device.
+//! A software painter for egui, for screenshots without a window or a device.
 
 use egui::epaint::{ImageData, Primitive, Vertex};
 use egui::{Color32, Context, FullOutput, TextureId, TexturesDelta};
@@ -9,7 +9,7 @@ use std::rc::Rc;
 
 type Texture = (usize, Vec<Color32>);
 
-/// The textures of a context, shared with the harness that is told of them.
+/// The textures of a context, shared with the harness.
 #[derive(Clone, Default)]
 pub struct Painter(Rc<RefCell<HashMap<TextureId, Texture>>>);
 

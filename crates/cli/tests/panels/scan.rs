@@ -1,4 +1,4 @@
-//! Contents of an object's file, on its panel.
+//! The panel of file information.
 
 use super::Hand;
 use egui_kittest::kittest::Queryable;
@@ -7,7 +7,7 @@ use hypertexture::shape::Facts;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// A file is read when its panel opens, and a click takes a proposed iso-value.
+/// A file is read when its panel is open, and a click applies a proposed iso-value.
 #[test]
 fn what_a_scan_holds_is_shown_and_its_iso_values_are_offered() {
     let folder = tempfile::tempdir().unwrap();
@@ -41,7 +41,7 @@ fn what_a_scan_holds_is_shown_and_its_iso_values_are_offered() {
     hand.picture("scan");
     assert_eq!(hand.scene().object.iso, Some(iso));
 
-    // Another object is another file; what cannot be read is said.
+    // Another object has another file; a read error is shown.
     hand.model().edit("object.input", |scene| scene.object.input = "nowhere.obj".into());
     hand.0.run_steps(2);
     assert!(hand.0.query_by_label("object.histogram").is_none());

@@ -1,4 +1,4 @@
-//! The timeline, and the views of the camera.
+//! The timeline, and the bookmarks of the camera.
 
 use super::Hand;
 use egui::Key;
@@ -28,13 +28,13 @@ fn the_timeline_plays_scrubs_and_repeats_by_mouse_and_keys() {
         Request::Playback(Playback { range: [0.0, 4.0], ..playback }),
     ];
     assert_eq!(asked, expected);
-    // The keyboard scrubs too.
+    // The slider also responds to keys.
     hand.act("timeline", Action::Focus, None);
     hand.0.key_press(Key::ArrowRight);
     hand.0.run_steps(2);
     let asked = std::mem::take(&mut hand.0.state_mut().requests);
     assert!(matches!(asked.as_slice(), [Request::Time(time)] if *time > 0.0), "{asked:?}");
-    // While time runs, the slider shows where it is.
+    // The slider follows the running time.
     (hand.0.state_mut().status.time, hand.0.state_mut().status.paused) = (Some(7.25), false);
     hand.0.run_steps(2);
     assert_eq!(hand.0.get_by_label("timeline").accesskit_node().numeric_value(), Some(7.25));
@@ -68,7 +68,7 @@ fn the_object_is_looked_at_from_its_sides_and_from_views_that_were_kept() {
     hand.picture("views");
     hand.click("camera.level");
     assert_eq!(hand.0.state().requests, [Request::Level(true)]);
-    // The next window knows them.
+    // The next window has the bookmarks.
     let mut next = Hand::new(preset("lit").unwrap());
     next.0.state_mut().panels.remember(Vec::new(), cache);
     next.click("Camera");

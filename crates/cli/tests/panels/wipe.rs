@@ -1,4 +1,4 @@
-//! How two variants are looked at.
+//! Comparison of two variants.
 
 use egui::accesskit::{Action, ActionData, ActionRequest};
 use egui::{Event, Key, PointerButton, Pos2, Rect, pos2, vec2};
@@ -66,11 +66,11 @@ fn the_difference_has_a_gain_and_its_rms_is_that_of_equal_pictures_only() {
     assert_eq!((harness.state().comparison.mode, harness.state().comparison.gain), (CompareMode::Difference, 64.0));
     assert!(harness.query_by_label("compare.at").is_none());
     let says = |harness: &Harness<'static, State>, text: &str| harness.query_all_by_value(text).next().is_some();
-    assert!(says(&harness, "RMS: not yet as finely sampled"));
+    assert!(says(&harness, "RMS: not equally sampled yet"));
     harness.state_mut().rms = Some(0.021);
     harness.run_steps(2);
     assert!(says(&harness, "RMS 2.1e-2"));
-    // One key leads through all ways to look, and back.
+    // One key cycles through the display modes.
     let mut seen = Vec::new();
     for _ in 0..4 {
         harness.state_mut().comparison.next();

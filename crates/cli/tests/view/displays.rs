@@ -1,4 +1,4 @@
-//! Displays that are missing, strange or lost: one line, an exit code, and nothing is lost with them.
+//! Missing, unusual and lost displays: one error line, an exit code, and no lost work.
 
 use super::{Display, assert_good, program};
 use hypertexture::scene::{self, ParameterValue, Reach};
@@ -10,17 +10,17 @@ use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{ConnectionExt, MapState, Window};
 use x11rb::rust_connection::RustConnection;
 
-/// A scene that is drawn soon.
+/// A scene that is drawn quickly.
 const SMALL: [&str; 8] = ["torus", "--effect", "lit", "--samples", "8", "--resolution", "24", "--window"];
 
-/// Opens a window for a frame, with changes to its environment; what it says.
+/// Opens a window for one frame in a changed environment; returns its output.
 fn opened(display: &Display, environment: &[(&str, &str)]) -> Output {
     let mut command = program();
     command.env("DISPLAY", &display.name).envs(environment.iter().copied());
     command.arg("view").args(SMALL).args(["400x200", "--frames", "1"]).output().unwrap()
 }
 
-/// The one line of a window that does not open.
+/// The single error line of a window that does not open.
 #[track_caller]
 fn refused(output: &Output) -> String {
     let text = String::from_utf8(output.stderr.clone()).unwrap();
@@ -29,7 +29,7 @@ fn refused(output: &Output) -> String {
     text
 }
 
-/// Waits for something, for minutes.
+/// Waits for a condition, up to minutes.
 fn wait_for<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
     let start = Instant::now();
     loop {
@@ -105,7 +105,7 @@ fn a_screen_that_no_driver_draws_into_is_named_by_its_depth() {
     }
 }
 
-/// A window with a changed scene, which goes on drawing.
+/// A window with a changed scene that keeps drawing.
 fn edited(display: &Display, cache: &Path, folder: &Path, more: &str) -> Child {
     let (script, set) = (folder.join("script"), folder.join("set.png"));
     let steps = format!("wait picture\nset parameters.fury 2.5\nwait picture\n{more}shot {}\n", set.display());
@@ -124,7 +124,7 @@ fn edited(display: &Display, cache: &Path, folder: &Path, more: &str) -> Child {
 #[test]
 #[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
 fn a_server_that_ends_leaves_one_line_and_what_was_not_saved() {
-    // At rest, and while frames are on their way.
+    // At rest, and during frames.
     for more in ["", "key Space\nframes 9\n"] {
         let (mut display, folder) = (Display::own(), tempfile::tempdir().unwrap());
         let mut child = edited(&display, &folder.path().join("cache"), folder.path(), more);
@@ -133,7 +133,7 @@ fn a_server_that_ends_leaves_one_line_and_what_was_not_saved() {
         child.stderr.take().unwrap().read_to_string(&mut text).unwrap();
         assert_eq!((child.wait().unwrap().code(), text.lines().count()), (Some(1), 1), "{more:?}: {text}");
         let start =
-            format!("error: the display {} has ended, and the window with it; what was not saved is in ", display.name);
+            format!("error: the display {} has ended, and the window with it; unsaved work is in ", display.name);
         let kept = PathBuf::from(text.trim_end().strip_prefix(&start).expect(&text));
         let scene = scene::load(&kept.join("scene.toml"), Reach::Anywhere).unwrap();
         assert_eq!(scene.parameters.get("fury"), Some(&ParameterValue::Number(2.5)));
@@ -141,7 +141,7 @@ fn a_server_that_ends_leaves_one_line_and_what_was_not_saved() {
     }
 }
 
-/// The window of the program, which is all there is on its display.
+/// The window of the program, the only one on its display.
 fn window(server: &RustConnection) -> Window {
     let root = server.setup().roots[0].root;
     wait_for("a window", || {
@@ -170,7 +170,7 @@ fn a_window_that_nobody_sees_draws_nothing_until_it_is_back() {
     let (server, _) = RustConnection::connect(Some(&display.name)).unwrap();
     let window = window(&server);
     let (mut before, mut rounds) = (0, 0);
-    // A slow machine draws its frames in a later round.
+    // A slow machine draws its frames later.
     for seconds in 1..60 {
         if rounds == 2 {
             break;

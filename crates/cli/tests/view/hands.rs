@@ -1,4 +1,4 @@
-//! Real keys and a real pointer: events of the X server's test extension, not events handed to the toolkit.
+//! Real input: events of the XTEST extension, not of egui.
 
 use super::{Display, program};
 use hypertexture::scene::{self, ParameterValue, Reach};
@@ -19,12 +19,12 @@ const ESCAPE: u32 = 0xff1b;
 struct Hands {
     server: RustConnection,
     root: u32,
-    /// Each symbol: its key, and whether Shift is held with it.
+    /// Key and Shift state of each symbol.
     keys: HashMap<u32, (u8, bool)>,
 }
 
 impl Hands {
-    /// Those of a display; the keys go to its window.
+    /// Input of a display, with the focus on its window.
     fn on(display: &Display) -> Hands {
         let (server, screen) = x11rb::connect(Some(&display.name)).unwrap();
         let setup = server.setup();
@@ -76,7 +76,7 @@ impl Hands {
         text.chars().for_each(|letter| self.key(letter.into()));
     }
 
-    /// Everything so far at once: a slow frame has it all.
+    /// Sends all events at once: a slow frame gets them together.
     fn flush(&self) {
         self.server.flush().unwrap();
     }
@@ -123,7 +123,7 @@ fn letters_are_written_after_every_kind_of_click_and_a_slider_stays_where_it_is_
     let middle = |[left, top, right, bottom]: [f64; 4]| [0.5 * (left + right), 0.5 * (top + bottom)];
     let hands = Hands::on(&display);
 
-    // Press, drag, release, and on: the frame that is being drawn meanwhile is slow.
+    // A drag during one slow frame.
     let at = |x: f64| [slider[0] + x, middle(slider)[1]];
     hands.point(at(10.0));
     hands.button(true);
@@ -132,7 +132,7 @@ fn letters_are_written_after_every_kind_of_click_and_a_slider_stays_where_it_is_
     (70..=110).step_by(10).for_each(|x| hands.point(at(f64::from(x))));
     hands.flush();
 
-    // The line that the error names is selected; then every letter that is a shortcut, behind each click.
+    // Selects the line of the error; then types every shortcut letter, after each kind of click.
     let letters = " rstcvdpwiozyfhHT?123";
     hands.click(middle(error));
     hands.write("    return 0.5 * density; //");
@@ -144,7 +144,7 @@ fn letters_are_written_after_every_kind_of_click_and_a_slider_stays_where_it_is_
         hands.click(place); // below the last line, by its number and in the text
         hands.write(&format!("//{letters} "));
     }
-    // Escape gives the keys back: one picture is written.
+    // Escape ends the ownership of the keys: one picture is written.
     hands.key(ESCAPE);
     hands.key('s'.into());
     hands.flush();
@@ -154,7 +154,7 @@ fn letters_are_written_after_every_kind_of_click_and_a_slider_stays_where_it_is_
         std::thread::sleep(Duration::from_millis(20));
     }
     assert!(Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap().success());
-    assert!(said.any(|line| line.starts_with("what was not saved is in ")));
+    assert!(said.any(|line| line.starts_with("unsaved work is in ")));
     assert!(child.wait().unwrap().success());
 
     let mut written = files(&folder);

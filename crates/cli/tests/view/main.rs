@@ -1,4 +1,4 @@
-//! The window, under a display of its own: what a person does, done by scripts, with the validation layer listening.
+//! The window on a display of its own, driven by scripts, with the validation layer.
 
 #![cfg(feature = "viewer")]
 #![expect(clippy::unwrap_used, reason = "a test fails where a file or a process is not as described")]
@@ -11,14 +11,14 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 
-/// An X server that ends with this.
+/// An X server, which ends on drop.
 struct Display {
     server: Option<Child>,
     name: String,
 }
 
 impl Display {
-    /// The display there is, or one that nobody sees.
+    /// The current display, or an invisible one.
     fn new() -> Display {
         if let Ok(name) = std::env::var("DISPLAY")
             && !name.is_empty()
@@ -28,12 +28,12 @@ impl Display {
         Display::own()
     }
 
-    /// One that nobody sees, with a clipboard that nobody else writes to.
+    /// An invisible display with a clipboard of its own.
     fn own() -> Display {
         Display::with(&["-screen", "0", "1280x1024x24"])
     }
 
-    /// One by these arguments.
+    /// A display with these arguments.
     fn with(arguments: &[&str]) -> Display {
         let mut server = Command::new("Xvfb")
             .args(["-displayfd", "1", "-nolisten", "tcp"])
@@ -65,12 +65,12 @@ fn program() -> Command {
     command
 }
 
-/// Runs `view` with these arguments; what it says.
+/// Runs `view` with these arguments; returns its output.
 fn view(display: &Display, arguments: &[&str]) -> Output {
     program().env("DISPLAY", &display.name).arg("view").args(arguments).output().unwrap()
 }
 
-/// Runs a script, which must succeed; its standard output.
+/// Runs a script, which must succeed; returns its standard output.
 fn play(display: &Display, folder: &Path, arguments: &[&str], script: &str) -> String {
     let file = folder.join("script");
     std::fs::write(&file, script).unwrap();
@@ -190,7 +190,7 @@ fn its_panels_change_the_picture_that_is_written() {
 fn two_objects_that_are_compared_are_loaded_one_after_the_other() {
     let display = Display::new();
     let folder = tempfile::tempdir().unwrap();
-    // Neither field is in the cache, and the second is asked for while the first is computed.
+    // Neither field is cached, and the second one is requested during the first.
     let file = folder.path().join("script");
     let script = "frames 2\nclick view.advanced\nframes 2\nclick Object\nframes 2\nclick compare\nset object.resolution 150\nwait picture\nquit\n";
     std::fs::write(&file, script).unwrap();
@@ -289,13 +289,13 @@ fn n0_10_a_loop_that_is_too_long_never_meets_the_device_of_the_window() {
     slow.modules.insert("dmf/part_of".into(), path("part_of.glsl"));
     slow.parameters.clear();
     std::fs::write(path("slow.toml"), scene::to_text(&slow)).unwrap();
-    // In the editor it is a line of text, and what was there before goes on.
+    // In the editor this is an error line, and the previous text stays in use.
     let script = format!(
         "wait picture\ndrop {}\nframes 3\nwait bad\ndrag 0.3 0.5 0.7 0.4\nwait picture\nquit\n",
         path("part_of.glsl")
     );
     play(&display, folder.path(), &["torus", "--effect", "fire", "--samples", "32", "--window", "1100x700"], &script);
-    // In a scene that is opened, it is the end of an automated run.
+    // In an opened scene this ends an automated run.
     let output = view(&display, &[&path("slow.toml"), "--frames", "1", "--window", "560x240"]);
     let text = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(1), "{text}");
@@ -365,7 +365,7 @@ fn a_display_of_twice_the_dots_changes_no_control_and_no_picture() {
     assert_eq!(pixels(&shot), pixels(&rendered));
 }
 
-/// The lines of `orbit`, and how many moves each is about.
+/// The latency lines of `orbit` with their number of moves.
 fn orbits(said: &str) -> Vec<(String, u32)> {
     let moves = |line: &str| line.split_once(" moves: ")?.0.rsplit(' ').next()?.parse().ok();
     said.lines().filter_map(|line| Some((line.to_string(), moves(line)?))).collect()
@@ -385,7 +385,7 @@ fn b4_every_move_of_the_hand_is_answered_by_a_picture_of_every_preset() {
     assert_eq!(lines.len(), names.len(), "{said}");
     for ((line, moves), name) in lines.iter().zip(&names) {
         assert!(line.starts_with(&format!("{name}: 20 moves")) && *moves == 20, "{line}");
-        // How fast they are depends on the machine; that none is left out does not.
+        // The latency depends on the machine; the number of answered moves does not.
         assert!(!line.contains("none"), "a move was not answered: {line}");
     }
 }
@@ -396,7 +396,7 @@ fn b3_a_panel_that_opens_and_a_line_that_is_said_go_on_from_the_picture_there_is
     let display = Display::new();
     let folder = tempfile::tempdir().unwrap();
     let shot = folder.path().join("shot.png");
-    // The picture is that of `render` after the editor has opened and closed, and after something was said.
+    // The picture equals that of `render` after the editor was opened and closed, and after a message.
     let script = format!(
         "wait picture\nclick author\nframes 2\nwait drawn\nwait picture\nclick author\nwait picture\nclick copy\n\
          frames 2\nwait picture\nshot {}\nquit\n",
@@ -414,7 +414,7 @@ fn b3_a_panel_that_opens_and_a_line_that_is_said_go_on_from_the_picture_there_is
 fn b4_a_window_closes_in_the_middle_of_its_work() {
     let display = Display::new();
     let folder = tempfile::tempdir().unwrap();
-    // At once, in a preview, and while the picture gets finer; the time is said, and no error.
+    // At once, in a preview, and during refinement; the exit time is printed, and no error.
     for until in ["", "wait drawn\nframes 3\n", "wait picture\nframes 9\n"] {
         let file = folder.path().join("script");
         std::fs::write(&file, format!("{until}quit\n")).unwrap();
@@ -536,7 +536,7 @@ fn what_goes_wrong_in_an_automated_run_is_its_exit_code() {
     assert_eq!(refused.status.code(), Some(2));
 }
 
-/// Text in the clipboard of a display; `None` without a program that reads it.
+/// The clipboard of a display; `None` without xclip.
 fn clipboard(display: &Display) -> Option<String> {
     let mut command = Command::new("xclip");
     command.args(["-o", "-selection", "clipboard"]).env("DISPLAY", &display.name).stderr(Stdio::null());
@@ -562,7 +562,7 @@ fn a_signal_keeps_what_is_not_saved_and_the_next_window_offers_it_and_the_clipbo
         let mut first = String::new();
         output.read_line(&mut first).unwrap();
         assert!(first.starts_with("first picture"), "{first}");
-        // The picture is written behind the change and the copy.
+        // The picture is written after the change and the copy.
         let start = std::time::Instant::now();
         while !set.exists() {
             assert!(start.elapsed().as_secs() < 600); // a test that fails ends
@@ -575,7 +575,7 @@ fn a_signal_keeps_what_is_not_saved_and_the_next_window_offers_it_and_the_clipbo
         assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());
         let mut said = String::new();
         output.read_line(&mut said).unwrap();
-        assert!(child.wait().unwrap().success() && said.starts_with("what was not saved is in "), "{signal}: {said}");
+        assert!(child.wait().unwrap().success() && said.starts_with("unsaved work is in "), "{signal}: {said}");
 
         let again = format!("wait picture\nclick kept.open\nwait picture\nshot {}\nquit\n", shot.display());
         std::fs::write(&script, again).unwrap();

@@ -1,4 +1,4 @@
-//! What is asked of the window: by keys, by the panels, by a file that is dropped.
+//! Actions of keys, panels and dropped files.
 
 use super::state::App;
 use crate::keys::Action;
@@ -12,9 +12,9 @@ use measure::statistics::rounded_up;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// A way to draw is looked for once the scene has not changed for so long.
+/// Time without a change of the scene before the search for the fastest settings starts.
 const CALM: Duration = Duration::from_millis(500);
-/// Frames of a recording: four seconds.
+/// Number of frames of a turntable: four seconds.
 const TURN: u32 = 100;
 
 impl App {
@@ -35,11 +35,7 @@ impl App {
             Action::Inertia => {
                 self.navigation.inertia = !self.navigation.inertia;
                 self.navigation.glide = None;
-                self.note(if self.navigation.inertia {
-                    "the ball turns on"
-                } else {
-                    "the ball stops when it is let go"
-                });
+                self.note(if self.navigation.inertia { "inertia on" } else { "inertia off" });
             }
             Action::Level => self.navigation.level = !self.navigation.level,
             Action::Side(index) => {
@@ -64,7 +60,7 @@ impl App {
             Action::Open => self.panels.choose_file(),
             Action::Panels => self.panels.hide(!self.panels.is_hidden()),
             Action::Controls => self.panels.hide(false),
-            Action::Withheld => self.note("the keys are those of the text: Esc or a click on the picture ends that"),
+            Action::Withheld => self.note("the text field has the keys: press Esc or click the picture to leave it"),
         }
     }
 
@@ -105,7 +101,7 @@ impl App {
             Request::MaxError(error) => {
                 (self.max_error, self.tasks.pick) = (error, error);
                 if self.figures.picking.is_some() {
-                    self.stop(); // what is looked for is no longer asked for
+                    self.stop(); // the search was for the old target
                 }
             }
             Request::Densities => {
@@ -118,7 +114,7 @@ impl App {
         }
     }
 
-    /// Ends the window; where something would be lost with it, it asks.
+    /// Closes the window, after a question if there is unsaved work.
     pub(crate) fn ask_to_quit(&mut self) {
         match self.panels.at_stake(&self.model) {
             Some(_) => self.panels.ask(Question::Quit),
@@ -126,7 +122,7 @@ impl App {
         }
     }
 
-    /// The preset before or after the one whose effect is shown.
+    /// Takes the preset `by` places after the current one.
     fn step(&mut self, by: isize) {
         let names: Vec<&str> = scene::names().collect();
         let here = self.model.preset().and_then(|own| names.iter().position(|name| *name == own));
@@ -137,14 +133,14 @@ impl App {
         self.note(format!("{}: {}", names[next as usize], self.model.scene().about));
     }
 
-    /// Ends a recording, or the search for a way to draw.
+    /// Stops a turntable or a search.
     pub(super) fn stop(&self) {
         if let Some(worker) = &self.worker {
             worker.stop();
         }
     }
 
-    /// Shows a mesh, a scan or a scene file; a module is edited, and followed when another program writes it.
+    /// Opens a mesh, a scan or a scene file as the scene, or a module in the editor.
     pub(crate) fn open(&mut self, path: &Path) {
         self.loader.retry();
         if path.extension().is_some_and(|end| end == "glsl") {
@@ -176,12 +172,12 @@ impl App {
         self.task(|variant| Task::Write { variant, path, frames, edited });
     }
 
-    /// Looks for the fastest settings for the scene within the error that was asked for, once the mouse is let go.
+    /// Starts the search for the fastest settings within the error target, once the mouse is released.
     pub(super) fn pick(&mut self, ui: &Ui, now: Instant) {
         let Some(error) = self.tasks.pick else { return };
         let rests = self.time.clock.is_some() || now.duration_since(self.jobs.changed) >= CALM;
         let is_free = !ui.input(|input| input.pointer.any_down()) && self.loader.progress().is_none();
-        // A picture comes first, if only a coarse one: the search keeps the device busy.
+        // A preview comes first: the search occupies the device.
         if !(rests && is_free && self.is_current() && self.tasks.running == 0) {
             return ui.ctx().request_repaint_after(CALM);
         }
@@ -196,11 +192,11 @@ impl App {
         }
     }
 
-    /// Draws the scene in the way that was picked for it.
+    /// Applies the settings that were found.
     pub(super) fn take(&mut self, pick: &Pick) {
         let content = |scene: &Scene| Scene { camera: Camera::default(), ..scene.clone() };
         if self.tasks.picked_for.take().map(|scene| content(&scene)) != Some(content(self.model.scene())) {
-            self.fail("the scene has changed while the fastest settings for it were looked for: ask again");
+            self.fail("the scene changed during the search for the fastest settings: try again");
             return;
         }
         let Scene { quality, effect, .. } = &pick.scene;
@@ -212,7 +208,7 @@ impl App {
         if good {
             let by = if pick.unverified.is_none() { "the f64 reference" } else { "a finer picture" };
             let error = rounded_up(pick.verified.error);
-            self.note(format!("drawn with {}: error at most {error:.1e} by {by}", pick.settings));
+            self.note(format!("using {}: error at most {error:.1e} against {by}", pick.settings));
         }
     }
 
@@ -230,7 +226,7 @@ impl App {
     }
 }
 
-/// The first name that no file has: `stem`, a number and `end`.
+/// The first unused file name of the form `stem`, number, `end`.
 fn free_name(stem: &str, end: &str) -> PathBuf {
     let name = |number: u32| PathBuf::from(format!("{stem}_{number:03}{end}"));
     let taken = |path: &Path| {

@@ -1,15 +1,15 @@
-//! The pixel that is inspected, over the picture.
+//! The inspected pixel.
 
 use super::state::App;
 use egui::{Pos2, Ui};
 
 impl App {
-    /// Width and height of the picture in pixels.
+    /// Width and height of the picture, pixels.
     fn pixels(&self) -> Option<[u32; 2]> {
         Some(self.jobs.submitted.as_ref()?.variants.first()?.scene.image.size)
     }
 
-    /// The pixel at a place of the window.
+    /// The pixel at a position of the window.
     fn pixel_at(&self, at: Pos2) -> Option<[u32; 2]> {
         let size = self.pixels()?;
         let part = (at - self.place.min) / self.place.size();
@@ -17,7 +17,7 @@ impl App {
         self.place.contains(at).then(|| [index(0), index(1)])
     }
 
-    /// Inspects the pixel that was clicked, while one is inspected.
+    /// Moves an open inspector to the clicked pixel.
     pub(super) fn inspect_clicked(&mut self, at: Option<Pos2>) {
         if self.inspector.is_open()
             && let Some(pixel) = at.and_then(|at| self.pixel_at(at))
@@ -26,26 +26,26 @@ impl App {
         }
     }
 
-    /// Inspects the pixel under the pointer, or the one in the middle; or stops.
+    /// Inspects the pixel under the pointer, or the central one; closes an open inspector.
     pub(super) fn inspect_under_pointer(&mut self) {
         let pointer = self.navigation.pointer.and_then(|at| self.pixel_at(at));
         let pixel = pointer.or_else(|| self.pixel_at(self.place.center()));
         self.inspector.look_at(pixel.filter(|_| !self.inspector.is_open()));
     }
 
-    /// Inspects the next of the pixels that differ most.
+    /// Inspects the next of the most different pixels.
     pub(super) fn jump_to_worst(&mut self) {
         if !self.inspector.jump() {
-            self.note("the worst pixels are known once the picture has been refined");
+            self.note("the most different pixels are known once the picture has been refined");
         }
     }
 
-    /// Whether all is known of the pixel that is inspected.
+    /// Whether the report on the pixel is complete.
     pub(crate) fn is_inspected(&self) -> bool {
         self.inspector.is_done()
     }
 
-    /// Shows what is known of the pixel.
+    /// Shows the inspector.
     pub(super) fn inspect(&mut self, ui: &Ui) {
         let job = self.jobs.submitted.as_ref().filter(|_| self.loader.progress().is_none());
         self.inspector.follow(job, &self.notify);

@@ -1,4 +1,4 @@
-//! What the mouse does over the picture.
+//! Mouse input over the picture.
 
 use super::state::{App, Drag};
 use crate::keys;
@@ -9,11 +9,11 @@ use glam::DVec3;
 use hypertexture::render;
 use hypertexture::render::variant::Variant as Program;
 
-/// The part of its speed that a ball with inertia keeps for a second.
+/// Fraction of its speed that a gliding ball retains per second.
 const GLIDE: f64 = 0.2;
 
 impl App {
-    /// The mouse over the picture.
+    /// Handles mouse input over the picture.
     pub(super) fn navigate(&mut self, ui: &Ui, response: &Response) {
         let delta = response.drag_delta();
         self.navigation.pointer = response.hover_pos();
@@ -65,14 +65,14 @@ impl App {
         }
     }
 
-    /// A place of the window on the ball in the middle of the picture, right and up in units of its radius.
+    /// A position of the window on the trackball, right and up in units of its radius.
     fn on_ball(&self, at: Pos2) -> [f64; 2] {
         let radius = 0.5 * self.place.width().min(self.place.height()).max(1.0);
         let from = (at - self.place.center()) / radius;
         [f64::from(from.x), f64::from(-from.y)]
     }
 
-    /// Turns the ball.
+    /// Rotates the trackball.
     fn roll(&mut self, ui: &Ui, to: Pos2, delta: Vec2) {
         self.navigation.ball.follow(&self.model.scene().camera);
         if delta == Vec2::ZERO {
@@ -105,7 +105,7 @@ impl App {
         }
     }
 
-    /// CompareMode the height of the view, object units.
+    /// Half the height of the view, object units.
     fn half_height(&self) -> Option<f32> {
         let Variant { scene, library, subject } = self.jobs.submitted.as_ref()?.variants.first()?;
         let variant = Program::of(scene, library).ok()?;
@@ -117,7 +117,7 @@ impl App {
         self.model.edit("camera", |scene| scene.camera.rotation = Some(rotation));
     }
 
-    /// Lets the ball turn on.
+    /// Rotates a gliding trackball.
     pub(super) fn glide(&mut self, passed: f64) {
         let Some((axis, speed)) = self.navigation.glide else { return };
         self.navigation.ball.follow(&self.model.scene().camera);
@@ -130,7 +130,7 @@ impl App {
         }
     }
 
-    /// Where the light is on the ball while it is dragged: filled in front of the object, a ring behind it.
+    /// Shows the light on the trackball while it is dragged: a disk in front of the object, a ring behind it.
     pub(super) fn show_light(&self, ui: &Ui) {
         if !self.navigation.dragging || self.navigation.drag != Drag::Light {
             return;

@@ -1,4 +1,4 @@
-//! What lies over the picture.
+//! Overlays of the picture.
 
 use super::state::App;
 use crate::keys::{self, Action};
@@ -7,7 +7,7 @@ use hypertexture::scene::Scene;
 use std::collections::BTreeMap;
 
 impl App {
-    /// What two variants are compared by, the pixel that is inspected, what is being loaded, and the list of keys.
+    /// Shows the comparison bar, the inspector, the loading progress and the list of keys.
     pub(super) fn show_over(&mut self, ui: &mut Ui) {
         let place = self.place;
         if let Some((kept, _)) = &self.comparison.pinned {
@@ -25,7 +25,7 @@ impl App {
                     ui.add(ProgressBar::new(done).show_percentage());
                     if ui.button("Cancel").clicked() {
                         self.loader.cancel();
-                        self.note(format!("{name} was given up"));
+                        self.note(format!("loading {name} was cancelled"));
                     }
                 });
             });
@@ -49,11 +49,11 @@ impl App {
         }
     }
 
-    /// What the colors of pixels that are not to be trusted mean.
+    /// Shows the legend of the validity colors.
     fn show_causes(&self, ui: &mut Ui) {
         if self.figures.validity.is_empty() {
             ui.label(
-                "validity: the picture is finished first, then drawn again with one setting at a time made better",
+                "validity: waiting for the picture to converge, then rendering it with one better setting at a time",
             );
         }
         for ([r, g, b], line) in &self.figures.validity {
@@ -93,10 +93,10 @@ impl App {
     }
 }
 
-/// What two variants are called: the first field in which they differ, with its values.
+/// Titles of two variants: the first field that differs, with its values.
 fn titles(now: &Scene, kept: &Scene) -> [String; 2] {
     let fields = |scene: &Scene| -> BTreeMap<String, String> {
-        // Both are seen by the same camera, and say nothing of themselves.
+        // The camera is shared, and the description does not matter.
         let differs = |name: &str| !name.starts_with("camera.") && name != "about";
         let fields = scene.fields().into_iter().filter(|(name, _)| differs(name));
         fields.map(|(name, value)| (name, value.to_string())).collect()

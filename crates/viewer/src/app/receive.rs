@@ -1,4 +1,4 @@
-//! What the other threads have made, and what the panels are told of it.
+//! Results of other threads, and the status for the panels.
 
 use super::state::App;
 use super::submit::GOOD;
@@ -7,14 +7,14 @@ use crate::status::{Figures, Stage};
 use crate::worker::Event;
 
 impl App {
-    /// Takes what the other threads have made.
+    /// Receives results of other threads.
     pub(crate) fn receive(&mut self) {
         if let Err(reason) = self.loader.poll() {
             self.failure.get_or_insert(reason.clone());
             self.fail(reason);
         }
         let Some(worker) = &self.worker else { return };
-        // A thread that has failed is replaced as one whose device is lost: once.
+        // A thread that has panicked is replaced like a lost device: once.
         self.lost |= worker.has_ended();
         let events: Vec<Event> = worker.events.try_iter().collect();
         for event in events {
@@ -35,7 +35,7 @@ impl App {
                         figures.recent_ms.drain(..surplus);
                     }
                     self.jobs.on_screen = picture.number;
-                    // What went wrong with an earlier scene no longer holds.
+                    // Errors of an earlier scene no longer apply.
                     self.message.take_if(|said| said.is_error && picture.number > self.message_job);
                 }
                 Event::Stopped(line) => {
@@ -80,7 +80,7 @@ impl App {
         let recent = &self.figures.recent_ms;
         let mean = recent.iter().sum::<f64>() / recent.len().max(1) as f64;
         let variance = recent.iter().map(|ms| (ms - mean).powi(2)).sum::<f64>() / recent.len().max(1) as f64;
-        // Only coarse pictures come often enough for their times to have a spread.
+        // Only previews are frequent enough for a standard deviation.
         let spread = if self.figures.stage == Stage::Coarse { variance.sqrt() } else { 0.0 };
         Status {
             frame_ms: (!recent.is_empty()).then_some([self.figures.gpu_ms, spread]),

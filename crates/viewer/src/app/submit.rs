@@ -1,4 +1,4 @@
-//! The scene as it is now, for the thread that renders.
+//! Jobs for the render thread.
 
 use super::state::App;
 use crate::worker::{Job, Variant, sight};
@@ -15,7 +15,7 @@ const REST: Duration = Duration::from_millis(200);
 const FRAME: Duration = Duration::from_millis(16);
 
 impl App {
-    /// The scene at the time it is.
+    /// The scene at the current time.
     pub(super) fn shown(&self) -> Scene {
         let mut scene = self.model.scene().clone();
         if let Some(clock) = self.time.clock {
@@ -24,7 +24,7 @@ impl App {
         scene
     }
 
-    /// Gives the thread that renders what is to be seen now, if that is something new.
+    /// Submits a job if the scene or its rendering options have changed.
     pub(super) fn submit(&mut self, ui: &Ui, now: Instant) {
         if *self.library != *self.model.library() {
             self.library = Arc::new(self.model.library().clone());
@@ -39,14 +39,14 @@ impl App {
         let (mut variants, lacked, mut lacks) = (Vec::new(), self.jobs.lacks_object, false);
         for (mut scene, library) in scenes {
             scene.image.size = size;
-            // The object is the same wherever it is looked at from.
+            // The object does not depend on the camera.
             let before =
                 self.jobs.submitted.as_ref().filter(|_| !lacked).and_then(|job| job.variants.get(variants.len()));
             let before =
                 before.filter(|own| Arc::ptr_eq(&own.library, &library) && differs_in_camera_only(&own.scene, &scene));
             let subject = match before {
                 Some(before) => Ok(Some(before.subject.clone())),
-                // One after the other: what is loaded for the second takes the place of what is loaded for the first.
+                // The loader loads one object at a time.
                 None => self.loader.subject(&scene, &library, !lacks, &self.notify),
             };
             match subject {
@@ -78,13 +78,13 @@ impl App {
         if changed && self.jobs.submitted.is_some() {
             self.jobs.changed = now;
             if self.figures.picking.is_some() && self.time.clock.is_none() {
-                // Input comes first: what is looked for is looked for again once the scene rests.
+                // Input has priority: the search restarts once the scene rests.
                 self.stop();
                 self.tasks.pick = self.max_error;
             }
         }
         let busy = self.navigation.dragging || self.time.clock.is_some() || self.navigation.glide.is_some();
-        // What stands in for an object is shown in previews alone.
+        // A stand-in for an object is only good for previews.
         let moving = busy || lacks || now.duration_since(self.jobs.changed) < REST;
         let max_error = self.max_error.unwrap_or(GOOD);
         let validity = self.validity;
@@ -106,7 +106,7 @@ impl App {
         if let (false, Some(job)) = (moving, &self.jobs.submitted) {
             self.unused_settings.request(job, &self.notify);
         }
-        // What the hand moves is drawn when it moves.
+        // Dragging causes frames by itself; playback and glide do not.
         if self.time.clock.is_some() || self.navigation.glide.is_some() {
             ui.ctx().request_repaint_after(FRAME);
         } else if moving {
@@ -114,14 +114,14 @@ impl App {
         }
     }
 
-    /// Where one looks, in parts of the picture: at the pointer, or in the middle.
+    /// Focus of the refinement, in fractions of the picture: the pointer, or the center.
     fn focus(&self) -> [f32; 2] {
         let part = |at: egui::Pos2| (at - self.place.min) / self.place.size();
         self.navigation.pointer.filter(|at| self.place.contains(*at)).map_or([0.5; 2], |at| part(at).into())
     }
 }
 
-/// Whether two scenes differ in the camera and the size of the picture alone.
+/// Whether two scenes differ only in the camera and the size of the picture.
 fn differs_in_camera_only(before: &Scene, now: &Scene) -> bool {
     let mut seen = Scene { camera: now.camera.clone(), ..before.clone() };
     seen.image.size = now.image.size;

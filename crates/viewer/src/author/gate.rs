@@ -1,5 +1,5 @@
-//! Which programs may be drawn: those that ship, and those of a user's text that have survived a compiler, a driver and a
-//! few rays in a process of its own.
+//! Admission of programs: shipped ones, and custom ones that survived a compiler, a driver and a few rays in a child
+//! process.
 
 use hypertexture::scene::Scene;
 use hypertexture::shader::compile::{CompileError, Job};
@@ -9,19 +9,18 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard};
 
-/// Milliseconds that the rays may take. A window has some hundred times as many pixels, on a device that draws some hundred
-/// times as many at once, or in a coarser picture.
+/// Limit for the test rays, milliseconds. A window has about a hundred times as many pixels, on a device that is
+/// about a hundred times as parallel, or a coarser picture.
 const MOST_MS: f64 = 1000.0;
 
-/// What is known of programs with text of a user.
+/// Verdicts on programs with custom modules.
 pub struct Gate {
-    /// What needs no trial.
+    /// Modules that need no test.
     shipped: Library,
-    /// The executable of hypertexture.
     program: PathBuf,
-    /// The device that rays are tried on; none, and a text is only compiled.
+    /// Device of the test rays; without one, modules are only compiled.
     device: Mutex<Option<String>>,
-    /// What became of the programs that were tried: the line that refuses them, if one does.
+    /// Refusals by program; `None` for a program that passed.
     verdicts: Mutex<HashMap<String, Option<String>>>,
 }
 
@@ -30,20 +29,21 @@ fn held<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl Gate {
-    /// Nothing is known yet. `program` is the executable that compiles: [`std::env::current_exe`].
+    /// A gate without verdicts. `program` is the executable of the child process: [`std::env::current_exe`].
     pub fn new(program: PathBuf) -> Gate {
         Gate { shipped: shipped(), program, device: Mutex::new(None), verdicts: Mutex::new(HashMap::new()) }
     }
 
-    /// From now on a few rays of each program are tried on the device of this name.
+    /// Tests programs on the device of this name from now on.
     pub fn try_on(&self, device: &str) {
         *held(&self.device) = Some(device.into());
     }
 
-    /// Whether a scene may be drawn with these modules. Takes seconds the first time, nothing where all of it ships.
+    /// Whether the programs of a scene may run. Takes seconds the first time, nothing if all modules are shipped
+    /// ones.
     ///
     /// # Errors
-    /// Why not; [`CompileError::Abandoned`] once `is_stale` says yes.
+    /// The reason for a refusal; [`CompileError::Abandoned`] if `is_stale` returns true.
     pub fn validate(&self, scene: &Scene, library: &Library, is_stale: &dyn Fn() -> bool) -> Result<(), CompileError> {
         if *library == self.shipped {
             return Ok(());
@@ -66,7 +66,7 @@ impl Gate {
         };
         let verdict = match &tried {
             Ok(()) => None,
-            // These say nothing about the text.
+            // These errors are not about the text.
             Err(CompileError::Abandoned | CompileError::Run { .. }) => return tried,
             Err(error) => Some(error.to_string()),
         };

@@ -1,72 +1,71 @@
-//! The text of a module that is being edited, here or in a file, and what became of it.
+//! The text of the edited module, here or in a watched file, and its check.
 
+use super::files::{is_identifier, read, renamed, stamp};
 use super::gate::Gate;
 use super::trial;
-use crate::background::{Background, Notify};
+use crate::background::{Background, silent};
 use crate::model::Model;
 use hypertexture::shader::compile::{CompileError, Fault};
 use hypertexture::shader::{self, Library};
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::task::Poll;
 use std::time::{Duration, Instant, SystemTime};
-use support::{open, write_whole};
+use support::write_whole;
 
-/// How often a file is looked at. Editors replace files, so that its time and length say more than its node.
+/// Interval between looks at a watched file. Editors replace files: time and length identify a version better than
+/// the inode.
 pub const WATCH: Duration = Duration::from_millis(250);
-/// How long a text must rest before it is compiled: less, and every letter starts a process.
+/// Rest of a text before it is compiled. Lower: a process for each letter.
 const REST: Duration = Duration::from_millis(120);
-/// How often a compiler at work is asked for its answer.
+/// Interval between polls of a running check.
 const ANSWER: Duration = Duration::from_millis(30);
-/// A file that was not there when it was looked at so often is gone; once, an editor may be replacing it.
+/// Number of failed looks after which a file is gone; a single one may fall between the two steps of a replacement.
 const GONE: u32 = 2;
-/// The longest file that is read, in bytes.
-pub(crate) const MAX_FILE: u64 = 1 << 20;
 
-/// A module that is being edited.
+/// The edited module.
 pub struct Author {
     slot: String,
     name: String,
-    /// The text, as the editor shows it.
+    /// The text in the editor.
     pub text: String,
-    /// Texts that were left before they were good, by path.
+    /// Unfinished texts of other modules, by path.
     drafts: BTreeMap<String, String>,
     file: Option<Watched>,
     tried: Option<String>,
     changed: Instant,
     state: State,
-    /// Whether the module is put into the scene once its text is good.
+    /// Whether the module goes into the scene once its text passes.
     is_wanted: bool,
     gate: Arc<Gate>,
     /// The check of the text that was submitted last; dropping it cancels it.
     check: Option<Background<Result<(), CompileError>>>,
 }
 
-/// What became of the text.
+/// Result of the check of the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum State {
-    /// It is what the picture shows, or would if the scene used it.
+    /// The text passed.
     Good,
-    /// It waits for the compiler.
+    /// The text is being checked.
     Compiling,
-    /// It is refused; the picture shows the last good one.
+    /// The text was refused; the picture shows the last good one.
     Bad(Vec<Fault>),
 }
 
-/// A file that somebody edits elsewhere.
+/// A file that may be edited by another program.
 struct Watched {
     path: PathBuf,
-    /// Whether the module is no other text of one that ships.
+    /// Whether the module is not a variation of a shipped one.
     is_own: bool,
     seen: Option<(SystemTime, u64)>,
     looked: Instant,
-    /// How often in a row it was not there.
+    /// Number of consecutive looks without a file.
     missed: u32,
-    /// The text that it had when it was read or written here.
+    /// The text of the file when it was last read or written.
     text: String,
-    /// What another program has written since, while there is something else here that no file holds.
+    /// Text from another program that conflicts with unsaved changes here.
     other: Option<String>,
 }
 
@@ -74,7 +73,7 @@ impl Author {
     /// Edits a module of the library. `program` is the executable that compiles: [`std::env::current_exe`].
     ///
     /// # Errors
-    /// There is no such module.
+    /// The module does not exist.
     pub fn new(program: PathBuf, library: &Library, slot: &str, name: &str) -> Result<Author, shader::LibraryError> {
         let path = library.path(slot, name)?;
         let text = library.source(&path).unwrap_or_default().to_string();
@@ -93,37 +92,36 @@ impl Author {
         })
     }
 
-    /// What decides which programs may be drawn.
+    /// The gate that admits programs.
     pub fn gate(&self) -> &Arc<Gate> {
         &self.gate
     }
 
-    /// Slot and name of the module.
     pub fn module(&self) -> (&str, &str) {
         (&self.slot, &self.name)
     }
 
-    /// Path of the module in the library.
     pub fn path(&self) -> String {
         format!("{}/{}.glsl", self.slot, self.name)
     }
 
-    /// The file that is watched.
+    /// The watched file.
     pub fn file(&self) -> Option<&Path> {
         self.file.as_ref().map(|file| file.path.as_path())
     }
 
-    /// Whether another program has written to the file while the text was edited here: one of the two is to be taken.
+    /// Whether the file and the text have both changed, so that one must be chosen.
     pub fn is_contested(&self) -> bool {
         self.file.as_ref().is_some_and(|file| file.other.is_some())
     }
 
-    /// Whether the file is no longer there.
+    /// Whether the file was deleted.
     pub fn is_gone(&self) -> bool {
         self.file.as_ref().is_some_and(|file| file.missed >= GONE)
     }
 
-    /// Takes the text of the file, or stays with the one here; what the file holds is gone once that is saved.
+    /// Resolves a conflict: takes the text of the file, or keeps this one, which overwrites the file when it is
+    /// saved.
     pub fn settle(&mut self, by_file: bool) {
         let Some(file) = &mut self.file else { return };
         if let Some(other) = file.other.take() {
@@ -135,15 +133,15 @@ impl Author {
         }
     }
 
-    /// What is wrong with a file that is followed, one line.
+    /// The problem with the watched file, one line.
     pub fn complaint(&self) -> Option<String> {
         let file = self.file.as_ref()?.path.display();
         match &self.state {
             _ if self.is_gone() => {
-                Some(format!("{file} is gone: the picture keeps its text, which `save as` in the editor writes again"))
+                Some(format!("{file} was deleted: the picture keeps its text; `save as` in the editor writes it again"))
             }
             _ if self.is_contested() => {
-                Some(format!("{file} was changed by another program, and here: open the editor"))
+                Some(format!("{file} was changed by another program and in the editor: open the editor to choose"))
             }
             State::Bad(faults) => faults.first().map(|fault| match &fault.at {
                 Some((_, line)) => format!("{file}:{line}: {}", fault.text),
@@ -153,17 +151,17 @@ impl Author {
         }
     }
 
-    /// What became of the text.
+    /// Result of the check of the text.
     pub fn state(&self) -> &State {
         &self.state
     }
 
-    /// Texts that were left before they were good, by the paths of their modules.
+    /// Unfinished texts of other modules, by path.
     pub fn drafts(&self) -> impl Iterator<Item = (&str, &str)> {
         self.drafts.iter().map(|(path, text)| (path.as_str(), text.as_str()))
     }
 
-    /// Edits another module of the library. A text that is not good yet waits until its module is opened again.
+    /// Edits another module of the library. An unfinished text becomes a draft.
     pub fn open(&mut self, library: &Library, slot: &str, name: &str) {
         self.leave(library);
         (self.slot, self.name, self.file) = (slot.into(), name.into(), None);
@@ -174,20 +172,20 @@ impl Author {
         self.check = None;
     }
 
-    /// Keeps a text that the library does not have.
+    /// Stores the text as a draft if the library does not have it.
     fn leave(&mut self, library: &Library) {
         if library.source(&self.path()) != Some(self.text.as_str()) {
             self.drafts.insert(self.path(), self.text.clone());
         }
     }
 
-    /// Makes a new module of this text: its function gets the new name.
+    /// Creates a module from this text and renames its function.
     ///
     /// # Errors
-    /// The name is none that GLSL and scene files bear, or there is such a module.
+    /// The name is invalid or in use.
     pub fn fork(&mut self, library: &Library, name: &str) -> Result<(), String> {
         if !is_identifier(name) {
-            return Err(format!("`{name}` is no name of a module: lower-case letters, digits and _, a letter first"));
+            return Err(format!("invalid module name `{name}`: use a-z, 0-9 and _, starting with a letter"));
         }
         if library.modules(&self.slot).contains(&name) {
             return Err(format!("there is a module {}/{name} already", self.slot));
@@ -200,22 +198,25 @@ impl Author {
         Ok(())
     }
 
-    /// Edits a file, and follows it when another program writes it. The name of its folder is the slot, if it is one,
-    /// else it is a DMF; the name of the file is that of the module.
+    /// Edits a file and watches it for changes by other programs. The folder names the slot, or the slot is `dmf`;
+    /// the file names the module.
     ///
     /// # Errors
-    /// The file cannot be read, or its name is none of a module.
+    /// The file cannot be read, or its name is not a valid module name.
     pub fn watch(&mut self, library: &Library, path: &Path) -> Result<(), String> {
         let name = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
         if !is_identifier(name) || path.extension().is_none_or(|end| end != "glsl") {
-            return Err(format!("{}: a module is a file NAME.glsl, lower-case letters, digits and _", path.display()));
+            return Err(format!(
+                "{}: a module file is NAME.glsl, where NAME uses a-z, 0-9 and _, starting with a letter",
+                path.display()
+            ));
         }
         let folder = path.parent().and_then(Path::file_name).and_then(|folder| folder.to_str()).unwrap_or_default();
         let slot = if library.modules(folder).is_empty() { "dmf" } else { folder };
         self.follow(library, slot, name, path)
     }
 
-    /// Edits and follows the file of a module that is in a slot whatever the folder is called.
+    /// Edits and watches the file of a module in a given slot.
     ///
     /// # Errors
     /// The file cannot be read.
@@ -235,7 +236,7 @@ impl Author {
         Watched { path: path.into(), is_own, seen, looked: Instant::now(), missed: 0, text, other: None }
     }
 
-    /// Writes the text to a file, and follows that file.
+    /// Writes the text to a file, and watches the file.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -246,14 +247,14 @@ impl Author {
         Ok(())
     }
 
-    /// Takes the text that ships, if the module does.
+    /// Restores the shipped text, if there is one.
     pub fn reset(&mut self) {
         if let Some(text) = shader::shipped().source(&self.path()) {
             self.text = text.into();
         }
     }
 
-    /// Puts the module into the scene; while its text is being compiled, once that is good.
+    /// Puts the module into the scene; if its check is running, once it has passed.
     pub fn use_in(&mut self, model: &mut Model) -> bool {
         self.is_wanted = self.state == State::Compiling;
         if self.is_wanted {
@@ -267,8 +268,8 @@ impl Author {
         good
     }
 
-    /// Looks at the file, sends a new text to the compiler, and takes its answer: a good text becomes part of the model's
-    /// library. To be called once for each frame, and again after [`Author::wakes`]; whether the model has changed.
+    /// Looks at the file, submits a new text and receives the result: a text that passes becomes part of the model's
+    /// library. Called once per frame, and again after [`Author::wakes`]. Returns whether the model has changed.
     pub fn poll(&mut self, model: &mut Model) -> bool {
         self.look();
         self.is_wanted &= self.state == State::Compiling;
@@ -308,12 +309,12 @@ impl Author {
         }
     }
 
-    /// Whether the compiler has not been given the text.
+    /// Whether the text was not submitted.
     fn is_untried(&self) -> bool {
         self.tried.as_deref() != Some(self.text.as_str())
     }
 
-    /// When there may be something new though nobody moves: an answer of the compiler, or another text in the file.
+    /// Time until the next poll that is needed without user input.
     pub fn wakes(&self) -> Option<Duration> {
         match self.state {
             State::Compiling => Some(ANSWER),
@@ -321,7 +322,7 @@ impl Author {
         }
     }
 
-    /// Says that the text was edited.
+    /// Notes that the text was edited.
     pub fn touch(&mut self) {
         self.changed = Instant::now();
     }
@@ -361,14 +362,14 @@ impl Author {
         match trial::scene_with(model.scene(), &library, &self.slot, &self.name) {
             Ok(Some(scene)) => {
                 self.state = State::Compiling;
-                let (gate, silent): (_, Notify) = (self.gate.clone(), Arc::new(|| ()));
-                self.check = Some(Background::start(&silent, move |task| {
+                let gate = self.gate.clone();
+                self.check = Some(Background::start(&silent(), move |task| {
                     task.send(gate.validate(&scene, &library, &|| task.is_cancelled()));
                 }));
             }
             Ok(None) => {
                 self.check = None;
-                let text = format!("no program of this scene has {}; choose a scene that has", self.path());
+                let text = format!("no program of this scene includes {}; choose a scene that does", self.path());
                 self.state = State::Bad(vec![Fault { at: None, text }]);
             }
             Err(error) => {
@@ -377,36 +378,4 @@ impl Author {
             }
         }
     }
-}
-
-/// Whether GLSL, scene files and the command line bear this name of a module.
-fn is_identifier(name: &str) -> bool {
-    name.starts_with(|c: char| c.is_ascii_lowercase())
-        && name.len() <= 64
-        && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
-}
-
-/// The text with one word in place of another.
-fn renamed(text: &str, from: &str, to: &str) -> String {
-    let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
-    let mut new = String::new();
-    let mut rest = text;
-    while !rest.is_empty() {
-        let starts_word = rest.starts_with(is_word);
-        let end = rest.find(|c| is_word(c) != starts_word).unwrap_or(rest.len());
-        let (piece, after) = rest.split_at(end);
-        new.push_str(if piece == from { to } else { piece });
-        rest = after;
-    }
-    new
-}
-
-/// Time and length of a file.
-fn stamp(path: &Path) -> Option<(SystemTime, u64)> {
-    let info = fs::metadata(path).ok()?;
-    Some((info.modified().ok()?, info.len()))
-}
-
-fn read(path: &Path) -> Result<String, String> {
-    open::text(path, MAX_FILE).map_err(|error| error.to_string())
 }

@@ -1,4 +1,4 @@
-//! Which programs a changed module is tried in.
+//! Scenes in which a changed module is tested.
 
 use hypertexture::render::variant::VariantError;
 use hypertexture::scene::{Pass, Scene};
@@ -7,7 +7,7 @@ use hypertexture::shader::declare::declaration;
 use measure::guard::programs;
 use std::collections::BTreeSet;
 
-/// The scene, if the module is in its programs, else the nearest one that has it. None where no scene can have it.
+/// The first scene whose programs include the module: the current one, or a similar one. `None` if there is none.
 pub(super) fn scene_with(
     scene: &Scene,
     library: &Library,
@@ -28,7 +28,7 @@ pub(super) fn scene_with(
     refused.map_or(Ok(None), Err)
 }
 
-/// The scene, then with the module put in, then reduced to what needs it.
+/// The scene, the scene with the module, and simpler scenes with the module.
 fn candidates(scene: &Scene, library: &Library, slot: &str, name: &str) -> Vec<Scene> {
     let with = |mut scene: Scene| {
         use_module(&mut scene, library, slot, name);
@@ -38,13 +38,13 @@ fn candidates(scene: &Scene, library: &Library, slot: &str, name: &str) -> Vec<S
     (soft.effect.classify, soft.effect.softness, soft.effect.medium) = ("soft".into(), "linear".into(), "lit".into());
     let mut rays = soft.clone();
     rays.quality.pass = Pass::March;
-    // What bends rays is read by nothing else.
+    // Only refracting scenes read refraction modules.
     let glass = hypertexture::scene::preset("blue_glass").unwrap_or_default();
     [scene.clone(), with(scene.clone()), with(soft), with(rays), with(glass)].into()
 }
 
-/// Puts a module into its slot: last in a stack, in place of the other elsewhere; a mask goes onto the last DMF. A copy of
-/// a module of the stack takes its place: both would have parameters and functions of the same names.
+/// Puts a module into its slot: at the end of a stack, else in place of the current one; a mask goes onto the last
+/// DMF. A copy replaces its original, whose parameters and functions have the same names.
 pub(super) fn use_module(scene: &mut Scene, library: &Library, slot: &str, name: &str) {
     let effect = &mut scene.effect;
     let stacked = |stack: &mut Vec<String>| {
@@ -67,7 +67,7 @@ pub(super) fn use_module(scene: &mut Scene, library: &Library, slot: &str, name:
             effect.dmf.push(format!("{}@{name}", last.split('@').next().unwrap_or_default()));
         }
         _ => {
-            // A slot that is no field of the scene, such as `clip`, is filled by another choice: nothing to put in.
+            // Slots such as `clip` are not fields of the scene.
             let _ = scene.set_field(&format!("effect.{slot}"), name);
         }
     }

@@ -7,24 +7,23 @@ use crate::screen::Frame;
 use crate::status::Stage;
 use crate::worker::{Job, Variant};
 
-/// Pixels that are jumped to, and how far apart they are at least, in pixels.
+/// Number of most different pixels, and their minimal distance in pixels.
 const WORST: usize = 8;
 const APART: u32 = 12;
 
-/// What is known of the pictures of a scene that stands still.
+/// Pictures of a resting scene.
 #[derive(Default)]
 pub(super) struct Pictures {
-    /// Their size.
     pub(super) size: [u32; 2],
-    /// As `render` makes it.
+    /// The picture of `render`.
     pub(super) own: Option<Frame>,
-    /// The mean of so many.
+    /// The mean, and its number of pictures.
     pub(super) mean: Option<(Frame, u32)>,
-    /// That of the variant it is compared with, as finely sampled.
+    /// The equally sampled picture of the compared variant.
     pub(super) other: Option<Frame>,
 }
 
-/// A pixel that is inspected.
+/// The pixel inspector.
 #[derive(Default)]
 pub struct Inspector {
     /// The pixel, from the left and the top.
@@ -32,23 +31,23 @@ pub struct Inspector {
     pub(super) pictures: Pictures,
     pub(super) search: Option<Search>,
     pub(super) report: PixelReport,
-    /// The pixels that are jumped to, with their differences, and the one that is looked at.
+    /// The most different pixels with their differences, and the index of the current one.
     pub(super) worst: Vec<([u32; 2], f64)>,
     pub(super) at: usize,
 }
 
 impl Inspector {
-    /// Whether a pixel is inspected.
+    /// Whether a pixel is selected.
     pub(crate) fn is_open(&self) -> bool {
         self.pixel.is_some()
     }
 
-    /// Whether nothing more will be known of it.
+    /// Whether the report is complete.
     pub(crate) fn is_done(&self) -> bool {
         self.report.done
     }
 
-    /// Inspects a pixel, or none.
+    /// Selects a pixel, or none.
     pub(crate) fn look_at(&mut self, pixel: Option<[u32; 2]>) {
         if self.pixel != pixel {
             self.pixel = pixel;
@@ -56,12 +55,12 @@ impl Inspector {
         }
     }
 
-    /// Gives up what is being looked for, and what was found.
+    /// Cancels the search and clears the report.
     fn forget(&mut self) {
         (self.search, self.report) = (None, PixelReport::default());
     }
 
-    /// Takes the pictures of a stage.
+    /// Receives the pictures of a stage.
     pub(crate) fn take(&mut self, frames: &[Frame], size: [u32; 2], stage: Stage) {
         let first = frames.first().cloned();
         match stage {
@@ -77,7 +76,7 @@ impl Inspector {
         }
     }
 
-    /// Looks for what is not known of the pixel, once the scene stands still; takes what was found.
+    /// Starts the search once the scene rests, and receives its results.
     pub(crate) fn follow(&mut self, job: Option<&Job>, notify: &Notify) {
         if let Some(search) = &mut self.search {
             search.poll(&mut self.report);
@@ -85,7 +84,7 @@ impl Inspector {
         let (Some(pixel), Some(job)) = (self.pixel, job) else { return };
         let Variant { scene, library, subject } = &job.variants[0];
         let [width, height] = scene.image.size;
-        // A smaller window has other pixels.
+        // A smaller window has fewer pixels.
         let within = [pixel[0].min(width - 1), pixel[1].min(height - 1)];
         let is_same = |search: &Search| search.is_of(pixel, scene, library);
         if within != pixel || self.search.as_ref().is_some_and(|search| !is_same(search)) {
@@ -98,8 +97,8 @@ impl Inspector {
         }
     }
 
-    /// Jumps to the next of the pixels that differ most: between two variants that are compared, otherwise between the
-    /// picture of the scene and the mean of many. Whether there are any.
+    /// Selects the next of the most different pixels: between two compared variants, else between the picture and the
+    /// mean. Returns whether there are any.
     pub(crate) fn jump(&mut self) -> bool {
         if self.worst.is_empty() {
             let Pictures { size, own, mean, other } = &self.pictures;

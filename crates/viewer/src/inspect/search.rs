@@ -1,4 +1,4 @@
-//! What is found of a pixel, on a thread of its own.
+//! Search for the facts about a pixel.
 
 use crate::background::{Background, Notify};
 use hypertexture::render::variant::Variant as Program;
@@ -9,40 +9,37 @@ use measure::reference::{TOLERANCE, reference_pixels, truth_of};
 use std::sync::Arc;
 use std::task::Poll;
 
-/// Places along the ray. Fewer: bounds between them say less. More: the plot comes later.
+/// Number of points on the ray. Lower: looser bounds between them. Higher: a slower plot.
 const PLACES: usize = 512;
 
-/// The error that the share of a module may have. Smaller: it comes later, and two digits are shown.
+/// Tolerance of the contribution of a module, of which two digits are shown. Lower: slower.
 const SHARE: f64 = 1e-3;
 
-/// The value of a pixel in f64.
+/// The f64 reference of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exact {
     /// Premultiplied linear RGBA.
     pub value: [f64; 4],
-    /// How far off its worst channel may be, as far as samples say.
+    /// Estimated error of the worst channel.
     pub error: f64,
-    /// The most opacity that samples may have overlooked.
+    /// Opacity that the samples may have missed.
     pub open: f64,
 }
 
-/// What is known of a pixel.
+/// Report on a pixel.
 #[derive(Clone, Debug, Default)]
 pub struct PixelReport {
-    /// The density along its ray.
     pub ray: Option<Result<Vec<Along>, String>>,
-    /// Its reference.
     pub exact: Option<Result<Exact, String>>,
-    /// The modules of its program by slot, those of further objects behind the name of the object.
+    /// Modules of its program by slot; those of additional objects have the object's name as prefix.
     pub modules: Vec<[String; 2]>,
-    /// What of the scene was left out, and how far the pixel of what is left is from it: the largest difference of a
-    /// channel.
+    /// Largest change of a channel without each part of the scene.
     pub shares: Vec<(String, f64)>,
-    /// Whether nothing more comes.
+    /// Whether the search has ended.
     pub done: bool,
 }
 
-/// One answer.
+/// A result of the search.
 enum Answer {
     Modules(Vec<[String; 2]>),
     Ray(Result<Vec<Along>, String>),
@@ -50,7 +47,7 @@ enum Answer {
     Share(String, f64),
 }
 
-/// What is being looked for; it is given up with this.
+/// A running search, which is cancelled on drop.
 pub(super) struct Search {
     pixel: [u32; 2],
     scene: Scene,
@@ -59,7 +56,7 @@ pub(super) struct Search {
 }
 
 impl Search {
-    /// Begins. `notify` is called from the other thread for each answer.
+    /// Starts a search.
     pub(super) fn start(
         pixel: [u32; 2],
         scene: Scene,
@@ -80,7 +77,7 @@ impl Search {
                 let whole = found.as_ref().ok().map(|exact| exact.value);
                 tell(Answer::Exact(found));
                 for (name, without) in whole.iter().flat_map(|_| parts(&own, &modules)) {
-                    // What needs another field, or more than its time, has no share.
+                    // Parts that need another field, or time out, have no contribution.
                     let found = exact(&modules, &without, &subject, pixel, SHARE, &stops);
                     if let (Some(whole), Ok(Exact { value, .. })) = (whole, found) {
                         let apart = [0, 1, 2, 3].map(|channel| (whole[channel] - value[channel]).abs());
@@ -103,17 +100,17 @@ impl Search {
         (Search { pixel, scene, library, answers }, cancelled)
     }
 
-    /// Whether this is what is found of the pixel of a scene.
+    /// Whether this is the search for a pixel of a scene.
     pub(super) fn is_of(&self, pixel: [u32; 2], scene: &Scene, library: &Arc<Library>) -> bool {
         self.pixel == pixel && Arc::ptr_eq(&self.library, library) && self.scene == *scene
     }
 
-    /// Gives up; what was found stays.
+    /// Cancels the search; its results remain.
     pub(super) fn cancel(&self) {
         self.answers.cancel();
     }
 
-    /// Takes what was found.
+    /// Receives results.
     pub(super) fn poll(&mut self, report: &mut PixelReport) {
         loop {
             match self.answers.poll() {
@@ -146,7 +143,7 @@ fn exact(
     Ok(Exact { value: found.pixels[0], error: found.estimate[0], open: found.open[0] })
 }
 
-/// The scene without each module that its matter has one after another, and without its shadows.
+/// Copies of the scene, each without one module of its density, or without shadows.
 fn parts(scene: &Scene, library: &Library) -> Vec<(String, Scene)> {
     let without = |name: &str, change: &dyn Fn(&mut Scene)| {
         let mut less = scene.clone();
@@ -161,7 +158,7 @@ fn parts(scene: &Scene, library: &Library) -> Vec<(String, Scene)> {
     dmf.chain(warp).chain(shadows).flatten().collect()
 }
 
-/// The modules that the program of a scene reads for its matter, by slot.
+/// The modules that affect the density in the program of a scene, by slot.
 fn modules_of(scene: &Scene, library: &Library) -> Vec<[String; 2]> {
     let Ok(program) = Program::of(scene, library) else { return Vec::new() };
     let slots: Vec<&str> =

@@ -3,7 +3,7 @@
 use super::search::Search;
 use super::window::known;
 use super::*;
-use crate::background::Notify;
+use crate::background::silent;
 use crate::screen::Frame;
 use crate::status::Stage;
 use crate::worker::{Job, Variant};
@@ -36,7 +36,7 @@ fn job(change: impl FnOnce(&mut Scene)) -> Job {
 fn harness(job: Job) -> Harness<'static, (Inspector, Job)> {
     let place = Rect::from_min_max(pos2(0.0, 0.0), pos2(720.0, 480.0));
     let show = move |ui: &mut egui::Ui, (inspector, job): &mut (Inspector, Job)| {
-        inspector.follow(Some(job), &(Arc::new(|| ()) as Notify));
+        inspector.follow(Some(job), &silent());
         inspector.show(ui, place, SIZE);
     };
     Harness::builder().with_size(vec2(720.0, 480.0)).build_ui_state(show, (Inspector::default(), job))
@@ -144,7 +144,7 @@ fn a_search_is_given_up_by_hand_by_another_pixel_and_by_another_scene() {
     let cancelled = endless(&mut harness, [24, 16]);
     click(&mut harness, "pixel.cancel");
     assert!(cancelled.load(Ordering::Relaxed) && harness.state().0.report.exact.is_none());
-    assert!(harness.query_all_by_value("reference: given up").next().is_some());
+    assert!(harness.query_all_by_value("reference: cancelled").next().is_some());
     let cancelled = endless(&mut harness, [25, 16]);
     harness.state_mut().0.look_at(Some([26, 16]));
     assert!(cancelled.load(Ordering::Relaxed), "by another pixel");

@@ -1,4 +1,4 @@
-//! The window about a pixel, and the mark at it.
+//! The inspector window, and the mark of its pixel.
 
 use super::inspector::{Inspector, Pictures};
 use super::search::{Exact, PixelReport};
@@ -10,19 +10,18 @@ use egui::{
 use hypertexture::render::Along;
 use measure::reference::UNSEEN;
 
-/// Height of the plot of the density along the ray, points.
+/// Height of the density plot, points.
 const PLOT: f32 = 96.0;
 const CHANNELS: [&str; 4] = ["red", "green", "blue", "alpha"];
 
 impl Inspector {
-    /// Shows what is known of the pixel over the picture in `place`, whose pixels are `size`; may inspect another one, or
-    /// none.
+    /// Shows the inspector over the picture in `place`, whose size in pixels is `size`.
     pub fn show(&mut self, ui: &Ui, place: Rect, size: [u32; 2]) {
         let Some(pixel) = self.pixel else { return };
         mark(ui, place, pixel, size);
         let (mut open, mut next) = (true, pixel);
         let window = Window::new("Pixel").id(Id::new("pixel")).open(&mut open).resizable(false).constrain_to(place);
-        // Beside the pixel, not over it.
+        // The window does not cover the pixel.
         let is_right = 2 * pixel[0] > size[0];
         let corner =
             if is_right { place.left_top() + vec2(12.0, 48.0) } else { place.right_top() + vec2(-330.0, 48.0) };
@@ -34,7 +33,7 @@ impl Inspector {
                     let response = ui.add(DragValue::new(&mut next[axis]).range(0..=last).speed(0.2));
                     named(ui, &response, &format!("pixel.{name}"));
                 }
-                let doc = "Jump to the next of the pixels that differ most: from the variant it is compared with, or from the converged picture (W).";
+                let doc = "Go to the next of the most different pixels: from the compared variant, or from the converged picture (W).";
                 if button(ui, "worst", "pixel.worst", doc).clicked() && self.jump() {
                     next = self.pixel.unwrap_or(next);
                 }
@@ -52,7 +51,7 @@ impl Inspector {
         }
     }
 
-    /// What the pixel is, on the screen and in f64.
+    /// The values of the pixel, its reference and its error.
     fn values(&mut self, ui: &mut Ui, pixel: [u32; 2]) {
         let Pictures { size, own, mean, other } = &self.pictures;
         let of = |frame: &crate::screen::Frame| -> Option<[f64; 4]> {
@@ -65,17 +64,17 @@ impl Inspector {
             ui.label("");
             CHANNELS.iter().for_each(|channel| drop(ui.label(RichText::new(*channel).weak())));
             ui.end_row();
-            row(ui, "value", "As `render` makes it: premultiplied, linear light.", own);
+            row(ui, "value", "The value of `render`: premultiplied, linear light.", own);
             if let Some((frame, count)) = mean {
-                row(ui, &format!("mean of {count}"), "Filtered over the pixel, as it converges.", of(frame));
+                row(ui, &format!("mean of {count}"), "The mean over the pixel.", of(frame));
             }
             if let Some(frame) = other {
-                row(ui, "pictures", "That of the variant it is compared with.", of(frame));
+                row(ui, "kept", "The value of the compared variant.", of(frame));
             }
             row(
                 ui,
                 "reference",
-                "The same scene in f64, to the limit of ever more samples.",
+                "The scene in f64, in the limit of infinitely many samples.",
                 exact.map(|exact| exact.value),
             );
             let error = own.zip(exact).map(|(own, exact)| [0, 1, 2, 3].map(|c| own[c] - exact.value[c]));
@@ -84,17 +83,17 @@ impl Inspector {
         match &self.report.exact {
             Some(Ok(Exact { error, open, .. })) => {
                 let overlooked = match *open <= UNSEEN {
-                    true => "nothing overlooked".into(),
-                    false => format!("bounds leave {open:.0e} of opacity open"),
+                    true => "complete".into(),
+                    false => format!("{open:.0e} of opacity unresolved"),
                 };
                 ui.label(RichText::new(format!("reference to ±{error:.0e}, {overlooked}")).weak());
             }
             Some(Err(reason)) => drop(ui.add(Label::new(RichText::new(reason).weak()).wrap())),
-            None if self.report.done => drop(ui.label(RichText::new("reference: given up").weak())),
+            None if self.report.done => drop(ui.label(RichText::new("reference: cancelled").weak())),
             None => drop(ui.horizontal(|ui| {
                 ui.spinner();
                 ui.label("reference in f64");
-                if button(ui, "cancel", "pixel.cancel", "Give it up.").clicked()
+                if button(ui, "cancel", "pixel.cancel", "Cancel the search.").clicked()
                     && let Some(search) = &self.search
                 {
                     search.cancel();
@@ -104,14 +103,12 @@ impl Inspector {
         }
     }
 
-    /// The density along the ray.
     fn ray(&self, ui: &mut Ui) {
         match &self.report.ray {
-            Some(Ok(ray)) if ray.is_empty() => drop(ui.label("the ray passes beside the object")),
+            Some(Ok(ray)) if ray.is_empty() => drop(ui.label("the ray misses the object")),
             Some(Ok(ray)) => {
                 plot(ui, ray);
-                let doc =
-                    "Proven by bounds of the scene's own program, at every place of the ray and not at samples of it.";
+                let doc = "Proven by bounds of the scene's program along the whole ray.";
                 ui.label(RichText::new(known(ray)).weak()).on_hover_text(doc);
             }
             Some(Err(reason)) => drop(ui.add(Label::new(RichText::new(reason).weak()).wrap())),
@@ -129,11 +126,11 @@ fn row(ui: &mut Ui, name: &str, doc: &str, value: Option<[f64; 4]>) {
     ui.end_row();
 }
 
-/// The modules that the pixel was made with; of a ray that meets nothing, none.
+/// The modules of the pixel, if its ray meets matter.
 fn modules(ui: &mut Ui, report: &PixelReport) {
     let meets = |ray: &Vec<Along>| ray.iter().any(|at| at.density > 0.0);
     if matches!(&report.ray, Some(Ok(ray)) if !meets(ray)) {
-        ui.label("no matter on the ray: no module made this pixel");
+        ui.label("no matter on the ray");
         return;
     }
     ui.label(RichText::new("made by").weak());
@@ -145,13 +142,12 @@ fn modules(ui: &mut Ui, report: &PixelReport) {
         }
     });
     for (name, by) in &report.shares {
-        let doc =
-            "How far the pixel of the scene without it is from this one, in f64: the largest difference of a channel.";
+        let doc = "The largest change of a channel without it, in f64.";
         ui.label(format!("without {name}: {by:.3} off")).on_hover_text(doc);
     }
 }
 
-/// What bounds say of the density between the places of a ray: how far off it may be there, and how steep it is.
+/// The bounds on the density between the points of a ray, in words: the largest width, and the largest slope.
 pub(super) fn known(ray: &[Along]) -> String {
     let parts = &ray[..ray.len().saturating_sub(1)];
     let widest = parts.iter().map(|at| at.range[1] - at.range[0]).fold(0.0, f64::max);
@@ -167,7 +163,7 @@ pub(super) fn known(ray: &[Along]) -> String {
     format!("density known to {widest:.1e} between {} places; {slope}", ray.len())
 }
 
-/// Density over the distance from the camera, between its bounds, with its axes.
+/// A plot of the density and its bounds over the distance from the camera.
 fn plot(ui: &mut Ui, ray: &[Along]) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), PLOT), Sense::hover());
     named(ui, &response, "pixel.ray");
@@ -213,7 +209,7 @@ fn plot(ui: &mut Ui, ray: &[Along]) {
             off(a).total_cmp(&off(b))
         });
         if let Some(Along { depth, density, range, slope }) = nearest {
-            // A bound just below 0 is 0, and not -0.
+            // Rounds a bound just below 0 to 0, not to -0.
             let [low, high] = range.map(|end| (1e4 * end).round() / 1e4 + 0.0);
             let [fall, rise] = slope.map(|end| (1e2 * end).round() / 1e2 + 0.0);
             let slope = match fall.is_finite() && rise.is_finite() {

@@ -1,7 +1,7 @@
-//! Where two pictures differ most.
+//! Search for the most different pixels.
 
-/// The pixels in which two pictures of the same size differ most, the worst first, with the difference of their worst
-/// channel; at most `count`, no two of them closer than `apart` pixels in both directions.
+/// The pixels in which two pictures of the same size differ most, in descending order, with the difference of their
+/// worst channel; at most `count`, with more than `apart` pixels between any two in at least one direction.
 pub fn worst(a: &[[f32; 4]], b: &[[f32; 4]], size: [u32; 2], count: usize, apart: u32) -> Vec<([u32; 2], f64)> {
     let apart_of = |(a, b): (&[f32; 4], &[f32; 4])| (0..4).map(|c| (a[c] - b[c]).abs()).fold(0.0, f32::max);
     let mut differences: Vec<f32> = a.iter().zip(b).map(apart_of).collect();

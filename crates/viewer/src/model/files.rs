@@ -1,4 +1,4 @@
-//! Scenes that are read from files and written to them.
+//! Scene files.
 
 use super::state::Model;
 use crate::message::Message;
@@ -9,7 +9,7 @@ use std::path::Path;
 use support::{open, write_whole};
 
 impl Model {
-    /// Shows what a file holds: a scene file or a picture, the scene of it; a file of any other kind becomes the object.
+    /// Opens a scene file, or the scene of a picture; a file of any other kind becomes the object.
     pub fn open(&mut self, path: &Path) -> bool {
         let name = path.display().to_string();
         let ends =
@@ -44,7 +44,7 @@ impl Model {
         good
     }
 
-    /// The modules that there are, and a scene's own as its files have them.
+    /// The current library with the modules of a scene's files.
     fn with_modules_of(&self, scene: &Scene) -> Result<Library, SceneError> {
         let own = scene.library()?;
         let modules = scene.modules.keys().filter_map(|module| module.split_once('/'));
@@ -54,13 +54,13 @@ impl Model {
         }))
     }
 
-    /// Whether a file is there that holds something else than what was written to it from here.
+    /// Whether saving would replace content that this model did not write.
     pub fn would_replace(&self, path: &Path) -> bool {
         let held = open::text(path, scene::MAX_BYTES).ok();
         path.exists() && (held.is_none() || held.as_ref() != self.written.get(path))
     }
 
-    /// Writes the scene, complete with defaults; what was in the file before is gone only when the new text is there.
+    /// Writes the scene, complete with defaults, as one atomic replacement of the file.
     pub fn save(&mut self, path: &Path) -> bool {
         let text = scene::to_text(&self.scene);
         match write_whole(path, text.as_bytes()) {
@@ -71,7 +71,10 @@ impl Model {
                 let missing = if edited.is_empty() {
                     String::new()
                 } else {
-                    format!("; save these modules as files too, a scene holds no text of them: {}", edited.join(", "))
+                    format!(
+                        "; save these modules as files too, scene files do not contain their text: {}",
+                        edited.join(", ")
+                    )
                 };
                 self.message = Some(Message::note(format!("wrote {}{missing}", path.display())));
                 true
@@ -84,7 +87,7 @@ impl Model {
     }
 }
 
-/// The scene that a picture shows.
+/// The scene in the metadata of a picture.
 fn scene_of_picture(path: &Path) -> Result<Scene, OutputError> {
     let of = |source| OutputError::Provenance { path: path.display().to_string(), source };
     let (provenance, reach) = (read_provenance(path)?, Reach::Beside);

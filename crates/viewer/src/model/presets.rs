@@ -1,17 +1,16 @@
-//! Presets: taken with or without their object and view, and what a parameter goes back to.
+//! Presets, with or without their object and view, and default values of parameters.
 
 use super::state::Model;
 use hypertexture::scene::{self, Color, Object, ParameterValue, Scene};
 use hypertexture::shader::{Parameter, ParameterKind};
 use std::sync::LazyLock;
 
-/// Every preset, read once.
 static PRESETS: LazyLock<Vec<(&str, Scene)>> =
     LazyLock::new(|| scene::names().filter_map(|name| Some((name, scene::preset(name).ok()?))).collect());
 
 impl Model {
-    /// Takes a preset. With `on_object`, object, camera and picture stay as they are; what the preset says of how far its
-    /// soft region reaches it brings along.
+    /// Takes a preset. With `on_object`, object, camera and picture size stay; the extent of the soft region is the
+    /// preset's.
     pub fn take_preset(&mut self, name: &str, on_object: bool) -> bool {
         let mut preset = match scene::preset(name) {
             Ok(preset) => preset,
@@ -35,7 +34,7 @@ impl Model {
         good
     }
 
-    /// The preset that the scene was made of: the one that says of itself what the scene does.
+    /// The preset of the scene, identified by its description.
     pub fn preset(&self) -> Option<&'static str> {
         Some(self.own_preset()?.0)
     }
@@ -44,7 +43,7 @@ impl Model {
         PRESETS.iter().find(|(_, preset)| preset.about == self.scene.about)
     }
 
-    /// What a parameter is in the preset that the scene was made of; where that does not say, what its module says.
+    /// The value of a parameter in the preset of the scene, else the default of its module.
     pub fn parameter_in_preset(&self, part: Option<&str>, parameter: &Parameter) -> ParameterValue {
         let values = self.own_preset().and_then(|(_, preset)| match part {
             None => Some(&preset.parameters),

@@ -8,11 +8,11 @@ use measure::guard::programs;
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 
-/// Steps that can be undone; a scene takes a few kilobytes. Not egui's `Undoer`, whose steps end with time and have no
-/// names, and which would give back a scene whose modules are gone.
+/// Number of undo steps, each of a few kilobytes. egui's `Undoer` has steps without names that end with time, and
+/// would restore a scene whose modules are gone.
 const HISTORY: usize = 256;
 
-/// A scene that is being edited, with the modules it is made of.
+/// The edited scene with its modules and its history.
 pub struct Model {
     pub(super) scene: Scene,
     pub(super) library: Library,
@@ -20,27 +20,27 @@ pub struct Model {
     pub(super) parts: BTreeMap<String, Parameters>,
     pub(super) past: VecDeque<Step>,
     pub(super) future: Vec<Step>,
-    /// What the last edit was about, while further edits of the same belong to it.
+    /// Name of the open undo group.
     pub(super) open: Option<String>,
     pub(super) saved: Scene,
     pub(super) file: Option<PathBuf>,
-    /// What was written to files from here.
+    /// Texts by the files to which they were written.
     pub(super) written: BTreeMap<PathBuf, String>,
     pub(super) home: Camera,
     pub(super) message: Option<Message>,
 }
 
-/// A scene that one can go back to.
+/// A scene of the history.
 pub(super) struct Step {
     scene: Scene,
     what: String,
 }
 
 impl Model {
-    /// Starts with a scene.
+    /// A model of a scene.
     ///
     /// # Errors
-    /// What [`Scene::check`] and [`Scene::check_parts`] find.
+    /// Errors of [`Scene::check`] and [`Scene::check_parts`].
     pub fn new(scene: Scene, library: Library) -> Result<Model, SceneError> {
         let (parameters, parts) = checked(&scene, &library)?;
         let saved = scene.clone();
@@ -61,56 +61,53 @@ impl Model {
         })
     }
 
-    /// The scene.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
 
-    /// The modules that there are.
+    /// The modules.
     pub fn library(&self) -> &Library {
         &self.library
     }
 
-    /// The parameters of the scene's own object, or of a further one, with their values.
+    /// The parameters of the main object, or of an additional one, with their values.
     pub fn parameters(&self, part: Option<&str>) -> &Parameters {
         part.and_then(|part| self.parts.get(part)).unwrap_or(&self.parameters)
     }
 
-    /// The last thing that was refused or done, one line.
+    /// The text of the last message.
     pub fn message(&self) -> Option<&str> {
         self.notice().map(|message| message.text.as_str())
     }
 
-    /// That line, and whether it is an error.
+    /// The last message.
     pub fn notice(&self) -> Option<&Message> {
         self.message.as_ref()
     }
 
-    /// Says what went wrong.
+    /// Shows an error.
     pub fn say(&mut self, line: impl Into<String>) {
         self.message = Some(Message::error(line));
     }
 
-    /// The file that the scene was read from or written to last.
+    /// The file of the last open or save.
     pub fn file(&self) -> Option<&Path> {
         self.file.as_deref()
     }
 
-    /// The camera of the preset or file that was opened last.
+    /// The camera of the last opened preset or file.
     pub fn home(&self) -> &Camera {
         &self.home
     }
 
-    /// Says which file holds a module of the scene's own, as a part of the scene. It is no step of the history: the module
-    /// is in that file whatever is undone.
+    /// Records the file of a custom module in the scene. This is not an undo step.
     pub fn file_module(&mut self, module: &str, file: &str) {
         if self.scene.modules.get(module).is_none_or(|known| known != file) {
             self.scene.modules.insert(module.into(), file.into());
         }
     }
 
-    /// The modules in the programs of the scene that are not as they ship, nor as the scene's files have them: what a
-    /// scene file does not say.
+    /// The modules in use whose text differs from the shipped one and from that of the scene's files.
     pub fn edited(&self) -> Vec<String> {
         let filed = self.scene.library().unwrap_or_else(|_| shader::shipped());
         let changed = self.library.sources().filter(|(path, text)| filed.source(path) != Some(text));
@@ -119,22 +116,22 @@ impl Model {
         changed.map(|(path, _)| path.to_string()).filter(|path| is_used(path)).collect()
     }
 
-    /// Whether the scene is another than the one in its file, or than the one it began with.
+    /// Whether the scene has unsaved changes.
     pub fn is_dirty(&self) -> bool {
         self.scene != self.saved
     }
 
-    /// Changes the scene. Parameters that no module declares any more are dropped, and what all objects must share is given to
-    /// all. Edits of the same thing, `what`, are one step of the history until [`Model::end_undo_group`].
+    /// Changes the scene. Values of undeclared parameters are dropped, and shared settings are copied to all objects.
+    /// Edits with the same name `what` are one undo step until [`Model::end_undo_group`].
     ///
-    /// Whether the scene is now as `change` left it; if not, [`Model::message`] says why.
+    /// Returns whether the change was accepted; if not, [`Model::message`] says why.
     pub fn edit(&mut self, what: &str, change: impl FnOnce(&mut Scene)) -> bool {
         let mut scene = self.scene.clone();
         change(&mut scene);
         self.propose(what, scene)
     }
 
-    /// Puts another scene in place of this one: [`Model::edit`].
+    /// Replaces the scene; see [`Model::edit`].
     pub fn propose(&mut self, what: &str, mut scene: Scene) -> bool {
         if scene == self.scene {
             return true;
@@ -161,22 +158,22 @@ impl Model {
         }
     }
 
-    /// Ends a step of the history: a slider was let go.
+    /// Ends an undo group.
     pub fn end_undo_group(&mut self) {
         self.open = None;
     }
 
-    /// What [`Model::undo`] would take back.
+    /// Name of the step that [`Model::undo`] reverts.
     pub fn undoes(&self) -> Option<&str> {
         self.past.back().map(|step| step.what.as_str())
     }
 
-    /// What [`Model::redo`] would do again.
+    /// Name of the step that [`Model::redo`] repeats.
     pub fn redoes(&self) -> Option<&str> {
         self.future.last().map(|step| step.what.as_str())
     }
 
-    /// Takes back the last step; whether there was one.
+    /// Undoes the last step; returns whether there was one.
     pub fn undo(&mut self) -> bool {
         while let Some(Step { scene, what }) = self.past.pop_back() {
             if let Some(scene) = self.exchange(scene) {
@@ -187,7 +184,7 @@ impl Model {
         false
     }
 
-    /// Does again what was taken back last; whether there was something.
+    /// Repeats the last undone step; returns whether there was one.
     pub fn redo(&mut self) -> bool {
         while let Some(Step { scene, what }) = self.future.pop() {
             if let Some(scene) = self.exchange(scene) {
@@ -198,7 +195,7 @@ impl Model {
         false
     }
 
-    /// Puts a scene of the history in place; gives the one that was. None where a module of it is gone.
+    /// Exchanges the scene with one of the history; `None` if a module of that one no longer exists.
     fn exchange(&mut self, mut scene: Scene) -> Option<Scene> {
         normalize(&mut scene, &self.library).ok()?;
         (self.parameters, self.parts) = checked(&scene, &self.library).ok()?;
@@ -206,11 +203,11 @@ impl Model {
         Some(std::mem::replace(&mut self.scene, scene))
     }
 
-    /// Exchanges the modules. New parameters have their defaults, those that are gone are dropped, and a value that is out of
-    /// its new range goes to the end of it.
+    /// Replaces the modules. New parameters have their defaults, removed ones are dropped, and values are clamped to
+    /// their new ranges.
     ///
     /// # Errors
-    /// The scene cannot be made of these modules; nothing has changed then.
+    /// The scene is invalid with these modules; nothing is changed.
     pub fn set_library(&mut self, library: Library) -> Result<(), SceneError> {
         let mut scene = self.scene.clone();
         normalize(&mut scene, &library)?;
@@ -219,7 +216,7 @@ impl Model {
         Ok(())
     }
 
-    /// Adds an additional object, a copy of a part of a preset; the formula gets it at its end. Gives its name.
+    /// Adds an object and appends it to the formula. Returns its name.
     pub fn add_part(&mut self, input: &str) -> Option<String> {
         let name = (1..).map(|number| format!("object{number}")).find(|name| !self.scene.parts.contains_key(name))?;
         let mut part = Part::default();
@@ -235,7 +232,7 @@ impl Model {
         good.then_some(name)
     }
 
-    /// Removes an additional object. A formula that still names it gives way to the union of those that are left.
+    /// Removes an additional object. A formula that names it is replaced by the union.
     pub fn remove_part(&mut self, name: &str) -> bool {
         let good = self.edit(&format!("remove {name}"), |scene| {
             scene.parts.remove(name);
@@ -259,7 +256,7 @@ fn checked(scene: &Scene, library: &Library) -> Result<(Parameters, BTreeMap<Str
     Ok((parameters, scene.check_parts(library)?))
 }
 
-/// Makes the rest of a scene follow its modules: what all objects share, and the parameters that there are.
+/// Copies shared settings to all objects, and drops undeclared parameters.
 fn normalize(scene: &mut Scene, library: &Library) -> Result<(), SceneError> {
     let shared = scene.effect.clone();
     for part in scene.parts.values_mut() {
@@ -280,7 +277,7 @@ fn normalize(scene: &mut Scene, library: &Library) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Keeps the values of declared parameters, each in its range where it is of the right kind.
+/// Drops undeclared parameters, and clamps the others to their ranges.
 fn keep_declared(values: &mut BTreeMap<String, ParameterValue>, declared: &[hypertexture::shader::Parameter]) {
     values.retain(|name, value| {
         let parameter = declared.iter().find(|parameter| parameter.name == *name);

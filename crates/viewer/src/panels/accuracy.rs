@@ -1,4 +1,4 @@
-//! Accuracy against time.
+//! Accuracy settings.
 
 use super::context::Pass;
 use super::request::Request;
@@ -7,10 +7,10 @@ use super::widgets::{Field, button, field, number, switch};
 use egui::Ui;
 use hypertexture::scene::schema::SETTINGS;
 
-/// The largest error that is asked for at first: one step of 8 bits.
+/// Initial error target: one step of 8 bits.
 const FIRST_ERROR: f64 = 1.0 / 255.0;
 
-/// Every field of `quality`, and the error that the window may choose the samples by.
+/// The settings of `quality`, and the error target.
 pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>) {
     let asked = pass.status.max_error;
     let mut on = asked.is_some();
@@ -20,7 +20,7 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>) {
     if let (Some(error), true) = (&mut wanted, asked.is_some()) {
         number(ui, &mut None, &Field { text: Some(""), ..field("max_error", doc) }, error, 1e-4..=0.1);
     }
-    // What is typed beyond the slider is held to what `--max-error` takes.
+    // The range of `--max-error`, which is larger than that of the slider.
     let wanted = wanted.map(|error| error.clamp(1e-7, 1.0));
     if wanted != asked {
         pass.requests.push(Request::MaxError(wanted));
@@ -29,8 +29,7 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>) {
         return settings::table(ui, pass, "", "quality");
     }
     let mut on = pass.status.validity;
-    let doc =
-        "Once the picture has converged, color the pixels that change where one setting is made better, and say which.";
+    let doc = "Once the picture has converged, color the pixels that would change with a better setting.";
     let response = ui.checkbox(&mut on, "validity").on_hover_text(doc);
     if super::widgets::named(ui, &response, "validity").changed() {
         pass.requests.push(Request::Validity(on));
@@ -45,7 +44,7 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>) {
     }
 }
 
-/// CompareMode as many samples, and twice as many.
+/// Buttons that halve and double the samples.
 fn factors(ui: &mut Ui, pass: &mut Pass<'_>) {
     for (text, factor) in [("half", 0.5), ("double", 2.0)] {
         if button(ui, text, &format!("quality.samples.{text}"), "Samples.").clicked() {

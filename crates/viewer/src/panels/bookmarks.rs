@@ -1,24 +1,24 @@
-//! Views of the object that a person comes back to; the next window knows them too.
+//! Bookmarks of views, which persist.
 
 use hypertexture::scene::Camera;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use support::{open, write_whole};
 
-/// The longest list that is read, in bytes.
+/// Size limit of the list, bytes.
 const MAX_LIST: u64 = 1 << 16;
-/// Views that are kept: more make a long list.
+/// Maximal number of bookmarks.
 const MOST: usize = 32;
 
-/// Views of the object.
+/// Bookmarks of views.
 #[derive(Default)]
 pub(super) struct Bookmarks {
     pub(super) views: Vec<Camera>,
-    /// Where they are listed.
+    /// Path of the list.
     list: Option<PathBuf>,
 }
 
-/// The list in its file.
+/// The file of bookmarks.
 #[derive(Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 struct List {
@@ -26,7 +26,7 @@ struct List {
 }
 
 impl Bookmarks {
-    /// Those of the windows before, which a file in `folder` lists; a list that cannot be read is as good as none.
+    /// Reads the bookmarks in `folder`; an unreadable list counts as empty.
     pub(super) fn of(folder: Option<&Path>) -> Bookmarks {
         let list = folder.map(|folder| folder.join("views.toml"));
         let text = list.as_deref().and_then(|list| open::text(list, MAX_LIST).ok()).unwrap_or_default();
@@ -37,7 +37,7 @@ impl Bookmarks {
         Bookmarks { views: views.view, list }
     }
 
-    /// Adds the view of a camera.
+    /// Adds a bookmark of a camera.
     pub(super) fn add(&mut self, camera: &Camera) {
         let view = looking(&Camera::default(), camera);
         if self.views.len() < MOST && !self.views.contains(&view) {
@@ -58,7 +58,7 @@ impl Bookmarks {
     }
 }
 
-/// A camera that looks as `view` does, at its own time and with its own clip plane.
+/// A camera with the view of `view` but its own time and clip plane.
 pub(super) fn looking(camera: &Camera, view: &Camera) -> Camera {
     let Camera { projection, azimuth, elevation, rotation, pan, zoom, field_of_view, .. } = view.clone();
     Camera { projection, azimuth, elevation, rotation, pan, zoom, field_of_view, ..camera.clone() }

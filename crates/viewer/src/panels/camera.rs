@@ -1,4 +1,4 @@
-//! Light, background, the camera, and the picture.
+//! Light, background and camera.
 
 use super::bookmarks::{Bookmarks, looking};
 use super::context::Pass;
@@ -10,7 +10,7 @@ use egui::{Button, Ui};
 use hypertexture::scene::Camera;
 use toml::Value;
 
-/// Sides to look at the object from: name, azimuth and elevation in degrees.
+/// Standard views: name, azimuth and elevation in degrees.
 pub(crate) const SIDES: [(&str, f32, f32); 6] = [
     ("front", 0.0, 0.0),
     ("right", 90.0, 0.0),
@@ -20,14 +20,14 @@ pub(crate) const SIDES: [(&str, f32, f32); 6] = [
     ("bottom", 0.0, -90.0),
 ];
 
-/// The light, its shadows, and what is behind.
+/// The light, its shadows, and the background.
 pub(super) fn light(ui: &mut Ui, pass: &mut Pass<'_>) {
     settings::table(ui, pass, "", "light");
     settings::show(ui, pass, "", "image.background");
 }
 
-/// The camera, and the moment. Azimuth and elevation are those of what is seen, also where the camera was turned by hand;
-/// who asks for one of them ends its roll.
+/// The camera and the time. Azimuth and elevation also follow a rotation by hand; setting one of them removes the
+/// roll.
 pub(super) fn camera(ui: &mut Ui, pass: &mut Pass<'_>, bookmarks: &mut Bookmarks) {
     ui.horizontal_wrapped(|ui| {
         for (name, azimuth, elevation) in SIDES {
@@ -40,7 +40,7 @@ pub(super) fn camera(ui: &mut Ui, pass: &mut Pass<'_>, bookmarks: &mut Bookmarks
         }
     });
     ui.horizontal_wrapped(|ui| {
-        if button(ui, "Reset view", "camera.reset", "Look at the object as its preset does (R).").clicked() {
+        if button(ui, "Reset view", "camera.reset", "Reset the camera to that of the preset (R).").clicked() {
             pass.requests.push(Request::ResetCamera);
         }
         let mut level = pass.status.level;
@@ -49,7 +49,7 @@ pub(super) fn camera(ui: &mut Ui, pass: &mut Pass<'_>, bookmarks: &mut Bookmarks
         if named(ui, &response, "camera.level").on_hover_text(doc).changed() {
             pass.requests.push(Request::Level(level));
         }
-        if button(ui, "bookmark", "camera.bookmark", "Keep this view; the next window has it too.").clicked() {
+        if button(ui, "bookmark", "camera.bookmark", "Bookmark this view for this and later sessions.").clicked() {
             bookmarks.add(&pass.draft.camera);
         }
     });
@@ -71,12 +71,12 @@ pub(super) fn camera(ui: &mut Ui, pass: &mut Pass<'_>, bookmarks: &mut Bookmarks
     pass.touch = pass.touch.take().or(touched);
 }
 
-/// Azimuth and elevation of a camera however it was turned, to a tenth of a degree.
+/// Azimuth and elevation of any camera, to a tenth of a degree.
 fn angles(camera: &Camera) -> [f32; 2] {
     level_angles(camera).map(|angle| (10.0 * angle).round() / 10.0)
 }
 
-/// The views that were kept.
+/// The bookmarks.
 fn views(ui: &mut Ui, pass: &mut Pass<'_>, bookmarks: &mut Bookmarks) {
     let mut removed = None;
     ui.horizontal_wrapped(|ui| {

@@ -1,4 +1,4 @@
-//! What is asked before something would be lost, and which file is meant.
+//! Questions before data loss, and the file dialog.
 
 use super::context::Act;
 use super::request::Request;
@@ -11,41 +11,41 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use support::{open, write_whole};
 
-/// Files that are remembered.
+/// Length of the list of recent files.
 const RECENT: usize = 8;
-/// The longest list of them that is read, in bytes.
+/// Size limit of the list, bytes.
 const MAX_LIST: u64 = 1 << 16;
 
-/// What is asked.
+/// A question to the user.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Question {
-    /// Whether the window is to close.
+    /// Close the window in spite of unsaved work?
     Quit,
-    /// Whether the scene is written over a file that the window did not write.
+    /// Replace a scene file that this window did not write?
     Scene(PathBuf),
-    /// Whether the picture is.
+    /// Replace a picture that this window did not write?
     Picture(PathBuf),
 }
 
-/// What is asked, and the files that there are to be opened.
+/// The open dialog, and the lists of files.
 #[derive(Default)]
 pub(super) struct Dialogs {
     pub(super) question: Option<Question>,
     dialog: FileDialog,
-    /// Folders of what was not saved by windows before this one, the newest first.
+    /// Folders with unsaved work of earlier windows, the newest first.
     pub(super) kept: Vec<PathBuf>,
-    /// Files that were opened, the last one first.
+    /// Recent files, the newest first.
     pub(super) recent: Vec<PathBuf>,
-    /// Where these are listed.
+    /// Path of the list of recent files.
     list: Option<PathBuf>,
-    /// The scene and the object that were seen last.
+    /// The last scene file and object file.
     seen: [PathBuf; 2],
-    /// Pictures that this window has written.
+    /// Pictures that this window wrote.
     pictures: BTreeSet<PathBuf>,
 }
 
 impl Dialogs {
-    /// Takes over what windows before this one have kept, and the files that they have opened, which `folder` lists.
+    /// Takes over the unsaved work and the recent files of earlier windows.
     pub(super) fn remember(&mut self, kept: Vec<PathBuf>, folder: Option<PathBuf>) {
         self.kept = kept;
         self.list = folder.map(|folder| folder.join("recent"));
@@ -57,12 +57,12 @@ impl Dialogs {
         self.question.is_some() || *self.dialog.state() == DialogState::Open
     }
 
-    /// Asks for a file.
+    /// Opens the file dialog.
     pub(super) fn choose(&mut self) {
         self.dialog.pick_file();
     }
 
-    /// The picture may be written there, or it is asked whether it may.
+    /// Requests a picture, or asks first if that would replace a file.
     pub(super) fn picture(&mut self, path: PathBuf) -> Option<Request> {
         if path.exists() && !self.pictures.contains(&path) {
             self.question = Some(Question::Picture(path));
@@ -72,7 +72,7 @@ impl Dialogs {
         Some(Request::Screenshot(path))
     }
 
-    /// The scene may be written there, or it is asked whether it may.
+    /// Saves the scene, or asks first if that would replace a file.
     pub(super) fn scene(&mut self, path: PathBuf, model: &mut Model) {
         if model.would_replace(&path) {
             self.question = Some(Question::Scene(path));
@@ -81,7 +81,7 @@ impl Dialogs {
         }
     }
 
-    /// Writes the scene to its file, or to the one that the panel names, or asks for a name.
+    /// Saves the scene to its file or to the one in the panel, or opens the file dialog.
     pub(super) fn save(&mut self, model: &mut Model, named: &str) {
         let named = Some(named.trim()).filter(|named| !named.is_empty()).map(PathBuf::from);
         match model.file().map(Path::to_path_buf).or(named) {
@@ -93,7 +93,7 @@ impl Dialogs {
         }
     }
 
-    /// Remembers the scene and the object that were opened.
+    /// Adds the opened files to the recent ones.
     fn note(&mut self, model: &Model) {
         let now = [model.file().map(Path::to_path_buf).unwrap_or_default(), PathBuf::from(&model.scene().object.input)];
         let fresh = now.iter().zip(&self.seen).filter(|(now, seen)| now != seen && now.is_file());
@@ -113,8 +113,8 @@ impl Dialogs {
         }
     }
 
-    /// Shows the question or the dialog; what was decided. `file` is where a scene without a file is saved, if it is named;
-    /// `at_stake` is what would end with the window.
+    /// Shows the question or the file dialog; returns the resulting request. `file` is the path in the panel,
+    /// `at_stake` describes the unsaved work.
     pub(super) fn show(
         &mut self,
         ui: &mut Ui,
@@ -128,7 +128,7 @@ impl Dialogs {
             let was = std::mem::take(&mut self.dialog);
             match (was.mode(), path.extension()) {
                 (DialogMode::SaveFile, Some(_)) => drop(model.save(&path)),
-                // The dialog has asked about a file of another name.
+                // The dialog has asked about the name without the extension.
                 (DialogMode::SaveFile, None) => self.scene(path.with_extension("toml"), model),
                 _ => return Some(Request::Open(path)),
             }
@@ -157,21 +157,21 @@ impl Dialogs {
         }
     }
 
-    /// What was not saved by a window before this one.
+    /// Offers the unsaved work of earlier windows.
     pub(super) fn offer(&mut self, ui: &mut Ui, acts: &mut Vec<Act>) {
         let Some(folder) = self.kept.first().cloned() else { return };
         ui.horizontal_wrapped(|ui| {
             let count = if self.kept.len() > 1 { format!(" ({} in all)", self.kept.len()) } else { String::new() };
-            ui.label(RichText::new(format!("not saved, kept {}{count}", age(&folder))).strong())
+            ui.label(RichText::new(format!("unsaved work from {}{count}", age(&folder))).strong())
                 .on_hover_text(folder.display().to_string());
-            if button(ui, "open it", "kept.open", "Show the scene and its modules as they were.").clicked() {
+            if button(ui, "open it", "kept.open", "Restore the scene and its modules.").clicked() {
                 acts.push(Act::Restore(folder.clone()));
                 self.kept.remove(0);
             }
-            if button(ui, "not now", "kept.later", "It stays where it is, and is offered again.").clicked() {
+            if button(ui, "not now", "kept.later", "Keep it and offer it again.").clicked() {
                 self.kept.clear();
             }
-            if button(ui, "delete", "kept.delete", "It is gone for good.").clicked() {
+            if button(ui, "delete", "kept.delete", "Delete it permanently.").clicked() {
                 self.kept.remove(0);
                 if let Err(error) = std::fs::remove_dir_all(&folder) {
                     log::warn!("{}: {error}", folder.display());
@@ -193,7 +193,7 @@ fn answer(ui: &mut Ui, question: &Question, model: &Model, at_stake: Option<Stri
     let (line, yes, no) = match question {
         Question::Quit => (at_stake.unwrap_or_else(|| "Quit?".into()), "quit", "stay"),
         Question::Scene(path) | Question::Picture(path) => {
-            (format!("{} is there, and was not written by this window.", path.display()), "replace it", "keep it")
+            (format!("{} exists and was not written by this window.", path.display()), "replace it", "keep it")
         }
     };
     ui.label(line);
@@ -214,7 +214,7 @@ fn answer(ui: &mut Ui, question: &Question, model: &Model, at_stake: Option<Stri
     .inner
 }
 
-/// How long ago something was kept in a folder.
+/// Age of a folder, in words.
 fn age(folder: &Path) -> String {
     let passed = folder.metadata().and_then(|about| about.modified()).ok().and_then(|then| then.elapsed().ok());
     match passed.map_or(0, |passed| passed.as_secs() / 60) {
@@ -225,7 +225,7 @@ fn age(folder: &Path) -> String {
     }
 }
 
-/// The scene and the modules that were kept in a folder, as they were.
+/// Opens the scene and the modules in a folder of unsaved work.
 pub(super) fn restore(folder: &Path, model: &mut Model, author: &mut crate::author::Author) {
     let scene = folder.join("scene.toml");
     if scene.exists() && !model.open(&scene) {

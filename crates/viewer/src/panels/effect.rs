@@ -7,10 +7,10 @@ use egui::{Button, ComboBox, RichText, Ui};
 use hypertexture::scene::schema::{self, Filled, Kind, SETTINGS, Setting};
 use hypertexture::shader::Library;
 
-/// A stack longer than this is a slip: every module costs at every sample.
+/// Limit for a stack: every module costs time at every sample.
 const MAX_STACK: usize = 16;
 
-/// Stacks, then every slot.
+/// The stacks, then the other slots.
 pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
     let (library, prefix) = (pass.model.library(), prefix(part));
     for (slot, title) in [("dmf", "density modulation"), ("warp", "displacement")] {
@@ -37,17 +37,17 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
     if part.is_none() {
         ui.separator();
         let title = RichText::new("noise, light and rays").strong();
-        ui.label(title).on_hover_text("All objects of the scene share these.");
+        ui.label(title).on_hover_text("Shared by all objects of the scene.");
         shared.iter().for_each(|setting| settings::show(ui, pass, "", setting.name));
     }
 }
 
-/// Whether each object has a value of its own.
+/// Whether each object has its own value.
 fn is_own(kind: Kind) -> bool {
     matches!(kind, Kind::Module(Filled::ByObject) | Kind::Stack)
 }
 
-/// A medium for each layer of the DMFs; where all are the same, that one.
+/// A medium for each layer of the DMFs; a single name if all are equal.
 fn media(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, doc: &str) {
     let (library, prefix, touch) = (pass.model.library(), prefix(part), &mut pass.touch);
     let effect = own(&mut pass.draft, part).effect;
@@ -68,7 +68,7 @@ fn media(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, doc: &str) {
     }
 }
 
-/// A stack: each module with its mask, and how to move and remove it; at the end one to add.
+/// A stack: its modules with masks and buttons, and a list to add one.
 fn stack(
     ui: &mut Ui,
     touch: &mut Touch,
@@ -80,7 +80,7 @@ fn stack(
 ) {
     ui.label(RichText::new(title).strong()).on_hover_text(format!("{}\n{}", field.doc, field.name));
     let options = modules(library, slot);
-    let mut masks = vec![(String::new(), "everywhere", "It acts everywhere.".to_string())];
+    let mut masks = vec![(String::new(), "everywhere", "Acts everywhere.".to_string())];
     if slot == "dmf" {
         masks.extend(modules(library, "mask"));
     }
@@ -110,7 +110,7 @@ fn stack(
             if small(ui, index + 1 < count, "⏷", ".down", "Apply it later.") {
                 swapped = Some(index);
             }
-            if small(ui, true, "✖", ".remove", "Take it out of the stack.") {
+            if small(ui, true, "✖", ".remove", "Remove it from the stack.") {
                 removed = Some(index);
             }
         });
@@ -132,7 +132,7 @@ fn stack(
     }
 }
 
-/// A list to choose one name from; `+ add` while there is none.
+/// A list of names; `+ add` if none is chosen.
 fn pick(ui: &mut Ui, name: &str, value: &mut String, options: &[(String, &str, String)], width: f32) {
     let now = options.iter().find(|option| option.0 == *value).map_or("+ add", |option| option.1);
     let shown = ComboBox::from_id_salt(name).selected_text(now).width(width).height(360.0).show_ui(ui, |ui| {

@@ -1,4 +1,4 @@
-//! What the file of an object holds, as `info` says it: read on a thread of its own when it is looked at.
+//! Information about the file of an object, as `info` prints it, read in the background.
 
 use super::context::{Pass, prefix};
 use super::status_bar;
@@ -13,7 +13,7 @@ use std::task::Poll;
 /// Height of the histogram, points.
 const HEIGHT: f32 = 96.0;
 
-/// The facts of the file that was looked at last.
+/// Information about the last file.
 #[derive(Default)]
 pub(super) struct FileInfo {
     input: (String, Option<String>),
@@ -22,7 +22,7 @@ pub(super) struct FileInfo {
 }
 
 impl FileInfo {
-    /// What is known of a file by now.
+    /// Starts to read a file if it is another one; returns the information read so far.
     fn ask(&mut self, object: &Object, context: &Context) -> Option<&Result<Facts, String>> {
         let input = (object.input.clone(), object.grid.clone());
         if self.input != input || (self.facts.is_none() && self.reading.is_none()) {
@@ -41,7 +41,7 @@ impl FileInfo {
     }
 }
 
-/// The facts of an object, and what they propose.
+/// The information, and buttons that apply its suggestions.
 pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, known: &mut FileInfo) {
     let object = part.and_then(|part| pass.draft.parts.get(part)).map_or(&pass.draft.object, |part| &part.object);
     let (iso, is_distance) = (object.iso, object.distance);
@@ -61,15 +61,15 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, known: 
             }
         };
         for iso in &facts.iso_values {
-            offer(format!("surface at {iso}"), "iso", iso.to_string(), "The values change most there.");
+            offer(format!("surface at {iso}"), "iso", iso.to_string(), "The gradient is largest there.");
         }
         if facts.is_like_distances {
-            offer("signed distances".into(), "distance", "true".into(), "The values change as distances do.");
+            offer("signed distances".into(), "distance", "true".into(), "The gradient is that of a distance field.");
         }
     });
 }
 
-/// Voxels of each value, logarithmic, their mean change as a line, and the iso-values.
+/// Logarithmic histogram of the voxel values, their mean gradient as a line, and the iso-values.
 fn chart(ui: &mut Ui, histogram: &Histogram, isos: &[f32], iso: Option<f32>, name: &str) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), Sense::hover());
     let painter = ui.painter_at(rect);
@@ -101,6 +101,6 @@ fn chart(ui: &mut Ui, histogram: &Histogram, isos: &[f32], iso: Option<f32>, nam
     {
         painter.text(corner, align, format!(" {value} "), FontId::proportional(11.0), visuals.text_color());
     }
-    let doc = "Bars: voxels of each value, logarithmic. Line: how much the values change there. Marks: iso-values.";
+    let doc = "Bars: number of voxels, logarithmic. Line: mean gradient. Marks: iso-values.";
     named(ui, &response, name).on_hover_text(doc);
 }

@@ -2,7 +2,7 @@
 
 use super::status::Status;
 use super::widgets::{Field, button, field, fit, named, number, switch};
-use crate::finals::{BEHIND, Motion, Order, Product, Rendering, is_installed};
+use crate::finals::{BEHIND, Kind, Motion, Order, Rendering, is_installed};
 use crate::message::Message;
 use crate::model::Model;
 use egui::{DragValue, Id, RichText, TextEdit, Ui, Window};
@@ -10,41 +10,32 @@ use std::path::PathBuf;
 use std::sync::LazyLock;
 use std::time::Duration;
 
-/// How often it is looked at how far a rendering is.
+/// Interval between polls of the process.
 const LOOK: Duration = Duration::from_millis(300);
-/// Sizes that are often wanted.
+/// Common sizes.
 const SIZES: [[u32; 2]; 2] = [[1920, 1080], [3840, 2160]];
-/// The error that is asked for at first: a quarter of a step of 8 bits in the mid tones.
+/// Initial error target: a quarter of a step of 8 bits in the mid tones.
 const FIRST_ERROR: f64 = 1e-3;
 
-/// Whether a video can be made.
+/// Whether ffmpeg is installed.
 static FFMPEG: LazyLock<bool> = LazyLock::new(|| is_installed("ffmpeg"));
 
-/// What becomes of a scene, by its kind.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Kind {
-    Picture,
-    Sequence,
-    Video,
-}
-
-/// What the dialog remembers.
+/// State of the dialog.
 pub(super) struct Finals {
-    /// Executable of hypertexture.
     program: PathBuf,
     pub(super) is_open: bool,
     kind: Kind,
     path: String,
-    /// None: that of the scene.
+    /// `None`: the size of the scene.
     size: Option<[u32; 2]>,
-    /// None: those of the scene.
+    /// `None`: the samples of the scene.
     samples: Option<u32>,
     supersampling: u32,
     max_error: Option<f64>,
     motion: Motion,
     running: Option<Rendering>,
     outcome: Option<Message>,
-    /// What this dialog has written.
+    /// Files that this dialog wrote.
     own: Vec<PathBuf>,
 }
 
@@ -67,12 +58,12 @@ impl Finals {
         }
     }
 
-    /// What came of the last rendering.
+    /// Result of the last order.
     pub(super) fn outcome(&self) -> Option<&Message> {
         self.outcome.as_ref()
     }
 
-    /// How far a rendering is, in words.
+    /// Progress of the order, in words.
     pub(super) fn progress(&self) -> Option<String> {
         let running = self.running.as_ref()?;
         let (kind, seconds) = (format!("{:?}", self.kind).to_lowercase(), running.seconds());
@@ -82,24 +73,21 @@ impl Finals {
         })
     }
 
-    /// The order that the dialog describes.
+    /// The order as described in the dialog.
     fn order(&self, model: &Model) -> Order {
         let mut scene = model.scene().clone();
         scene.image.size = self.size.unwrap_or(scene.image.size);
         scene.quality.samples = self.samples.unwrap_or(scene.quality.samples);
         scene.quality.supersampling = self.supersampling;
-        let product = match self.kind {
-            Kind::Picture => Product::Picture,
-            Kind::Sequence => Product::Sequence(self.motion),
-            Kind::Video => {
-                scene.image.background.get_or_insert(BEHIND);
-                Product::Video(self.motion)
-            }
-        };
-        Order { scene, product, max_error: self.max_error, path: PathBuf::from(self.path.trim()) }
+        if self.kind == Kind::Video {
+            scene.image.background.get_or_insert(BEHIND);
+        }
+        let motion = (self.kind != Kind::Picture).then_some(self.motion);
+        let path = PathBuf::from(self.path.trim());
+        Order { scene, kind: self.kind, motion, max_error: self.max_error, path }
     }
 
-    /// Shows the dialog where it is open, and looks after what is rendered.
+    /// Shows the dialog if it is open, and polls the process.
     pub(super) fn show(&mut self, ui: &Ui, model: &Model, status: &Status) {
         if let Some(running) = &mut self.running {
             match running.poll() {
@@ -124,23 +112,22 @@ impl Finals {
         self.accuracy(ui, model);
         if self.kind != Kind::Picture {
             let motion = &mut self.motion;
-            let frames = field("final.frames", "How many pictures.");
+            let frames = field("final.frames", "Number of pictures.");
             number(ui, &mut None, &frames, &mut motion.frames, 1..=1000);
             number(ui, &mut None, &field("final.fps", "Pictures per second."), &mut motion.fps, 1.0..=60.0);
             let around = field("final.turntable", "The camera goes once around the object.");
             switch(ui, &mut None, &around, &mut motion.turntable);
-            let again =
-                field("final.restart", "Render frames again that are finished; without, a stopped sequence goes on.");
+            let again = field("final.restart", "Render finished frames again; otherwise a stopped sequence continues.");
             switch(ui, &mut None, &again, &mut motion.restart);
         }
         let order = self.order(model);
         let has_background = order.scene.image.background.is_some();
-        ui.weak(if has_background { "with its background" } else { "transparent where nothing is" });
+        ui.weak(if has_background { "with its background" } else { "with a transparent background" });
         ui.separator();
         self.buttons(ui, model, order);
     }
 
-    /// What is made, and the file.
+    /// Kind and path of the output.
     fn kinds(&mut self, ui: &mut Ui) {
         ui.horizontal_wrapped(|ui| {
             for (kind, text, name, end) in [
@@ -189,7 +176,7 @@ impl Finals {
         });
     }
 
-    /// Samples, or the error that decides.
+    /// Samples, or an error target.
     fn accuracy(&mut self, ui: &mut Ui, model: &Model) {
         let target = Field {
             text: Some("Error target"),
@@ -206,7 +193,7 @@ impl Finals {
         let mut samples = self.samples.unwrap_or(own);
         number(ui, &mut None, &field("final.samples", "Samples of a ray, or slices."), &mut samples, 1..=4096);
         self.samples = (samples != own).then_some(samples);
-        let smooth = field("final.supersampling", "Pictures of which the mean is taken: smooth edges, less noise.");
+        let smooth = field("final.supersampling", "Number of averaged pictures: smooth edges, less noise.");
         number(ui, &mut None, &smooth, &mut self.supersampling, 1..=64);
     }
 
@@ -218,17 +205,17 @@ impl Finals {
             ui.horizontal(|ui| {
                 ui.spinner();
                 ui.label(progress);
-                if button(ui, "Stop", "final.stop", "End it; finished frames stay.").clicked() {
+                if button(ui, "Stop", "final.stop", "Stop; finished frames stay.").clicked() {
                     self.running = None;
                     self.outcome = Some(Message::note("the final picture was stopped"));
                 }
             });
         } else if edited.is_empty() {
             if replaces {
-                ui.colored_label(ui.visuals().warn_fg_color, format!("{} is there", first.display()));
+                ui.colored_label(ui.visuals().warn_fg_color, format!("{} exists", first.display()));
             }
             let text = if replaces { "Replace it" } else { "Render" };
-            if button(ui, text, "final.render", "A process of its own renders it: go on meanwhile.").clicked() {
+            if button(ui, text, "final.render", "Render in the background.").clicked() {
                 match Rendering::start(&self.program, order) {
                     Ok(running) => {
                         (self.running, self.outcome) = (Some(running), None);
@@ -238,8 +225,10 @@ impl Finals {
                 }
             }
         } else {
-            let line =
-                format!("save these modules as files first, a scene holds no text of them: {}", edited.join(", "));
+            let line = format!(
+                "save these modules as files first, scene files do not contain their text: {}",
+                edited.join(", ")
+            );
             ui.label(RichText::new(line).color(ui.visuals().warn_fg_color));
         }
     }

@@ -15,36 +15,36 @@ use crate::unsaved;
 use egui::{CollapsingHeader, Id, Panel, PanelState, RichText, ScrollArea, Ui};
 use std::path::PathBuf;
 
-/// Width of the panel of the scene, points.
+/// Default width of the panel with the settings, points.
 const WIDTH: f32 = 376.0;
-/// The least and the most of it, and the part of the window that it has at most.
+/// Minimal and maximal width of the panel, and its maximal fraction of the window.
 const LEAST: f32 = 184.0;
 const MOST: f32 = 640.0;
 const PART: f32 = 0.36;
 
-/// What the panels remember from frame to frame.
+/// State of the panels.
 pub struct Panels {
-    /// The additional object that is being edited; none for the scene's own.
+    /// The selected additional object; `None` for the main one.
     selected: Option<String>,
-    /// The stop of the transfer map that is being edited.
+    /// The selected stop of the transfer map.
     stop: usize,
     known: file_info::FileInfo,
     dialogs: dialogs::Dialogs,
     bookmarks: bookmarks::Bookmarks,
-    /// Scene file, picture.
+    /// Paths of the scene file and of the picture.
     paths: [String; 2],
     author: Author,
     editor: editor::Editor,
     author_is_open: bool,
-    /// Whether the editor was there in the pass before.
+    /// Whether the editor was open in the last pass.
     author_was_open: bool,
-    /// Whether the advanced settings have controls.
+    /// Whether advanced settings are shown.
     advanced: bool,
-    /// Whether a preset brings its object and view along.
+    /// Whether presets bring their own object and view.
     with_own: bool,
-    /// Whether the picture has all the room.
+    /// Whether the panels are hidden.
     hidden: bool,
-    /// The width that was chosen for the panel of the scene, and the most that it could have in the pass before.
+    /// The chosen width of the panel, and its limit in the last pass.
     width: f32,
     most: f32,
     theme: theme::Chosen,
@@ -52,10 +52,10 @@ pub struct Panels {
 }
 
 impl Panels {
-    /// Panels around a scene. `program` is the executable of hypertexture, which compiles what is written in the editor.
+    /// Panels for a model. `program` is the executable of hypertexture, which compiles edited modules.
     ///
     /// # Errors
-    /// The library has no module that an editor could begin with.
+    /// The library lacks the first module of the effect.
     pub fn new(program: PathBuf, model: &Model) -> Result<Panels, hypertexture::shader::LibraryError> {
         let effect = &model.scene().effect;
         let first = effect.dmf.first().map(|name| ("dmf", name.split('@').next().unwrap_or_default()));
@@ -81,7 +81,7 @@ impl Panels {
         })
     }
 
-    /// The module that is being edited.
+    /// The edited module.
     pub fn author(&mut self) -> &mut Author {
         &mut self.author
     }
@@ -91,15 +91,15 @@ impl Panels {
         self.author_is_open = open;
     }
 
-    /// Offers what windows before this one have kept in folders, and the files that they have opened, which are listed in a
-    /// folder of the cache, as those of this one will be.
+    /// Offers unsaved work of earlier windows, and reads recent files, bookmarks and theme from a folder of the
+    /// cache.
     pub fn remember(&mut self, kept: Vec<PathBuf>, folder: Option<PathBuf>) {
         self.bookmarks = bookmarks::Bookmarks::of(folder.as_deref());
         self.theme.remember(folder.as_deref());
         self.dialogs.remember(kept, folder);
     }
 
-    /// What would end with the window, in words: what no file holds, and a final picture in the making.
+    /// Description of what would end with the window: unsaved work, and a final picture in progress.
     pub fn at_stake(&self, model: &Model) -> Option<String> {
         let kept = |what: &str| format!("{what} is not saved. It is kept, and offered at the next start.");
         let text = || !unsaved::texts(model, &self.author).is_empty();
@@ -112,43 +112,43 @@ impl Panels {
         (!all.is_empty()).then(|| all.join("\n"))
     }
 
-    /// Asks a question, until it is answered.
+    /// Asks a question.
     pub fn ask(&mut self, question: Question) {
         self.dialogs.question = Some(question);
     }
 
-    /// Whether a question or the dialog of files is open, which have all keys.
+    /// Whether a question or the file dialog is open, which own all keys.
     pub fn is_asking(&self) -> bool {
         self.dialogs.is_open()
     }
 
-    /// Asks which file is to be opened.
+    /// Opens the file dialog.
     pub fn choose_file(&mut self) {
         self.dialogs.choose();
     }
 
-    /// Writes the scene to its file, or to the one that the panel names; asks for a name where there is neither, and before
-    /// what others wrote is replaced.
+    /// Saves the scene to its file or to the one in the panel; asks for a path if there is neither, and before a file
+    /// of another program is replaced.
     pub fn save(&mut self, model: &mut Model) {
         self.dialogs.save(model, &self.paths[0]);
     }
 
-    /// Whether there is something that no file holds.
+    /// Whether there is unsaved work.
     pub fn is_unsaved(&self, model: &Model) -> bool {
         model.is_dirty() || !unsaved::texts(model, &self.author).is_empty()
     }
 
-    /// Gives the picture all the room, or the panels theirs.
+    /// Hides or shows the panels.
     pub fn hide(&mut self, hidden: bool) {
         self.hidden = hidden;
     }
 
-    /// Whether the picture has all the room.
+    /// Whether the panels are hidden.
     pub fn is_hidden(&self) -> bool {
         self.hidden
     }
 
-    /// Shows every panel in what is left of `ui`; what they leave is for the picture. To be called once for each frame.
+    /// Shows the panels; the remaining area of `ui` is for the picture. Called once per frame.
     pub fn show(&mut self, ui: &mut Ui, model: &mut Model, status: &Status) -> Vec<Request> {
         self.theme.apply(ui.ctx());
         ui.spacing_mut().item_spacing.y = 5.0;
@@ -157,10 +157,10 @@ impl Panels {
         let mut requests = Vec::new();
         if !self.hidden {
             Panel::bottom("time").show(ui, |ui| timeline::show(ui, model, status, &mut requests));
-            // Of a small window, the picture keeps most.
+            // In a small window, most of the area is for the picture.
             let most = (PART * ui.available_width()).clamp(LEAST, MOST);
             if std::mem::replace(&mut self.most, most) != most {
-                // With the room, the width that was chosen comes back.
+                // A wider window restores the chosen width.
                 ui.data_mut(|data| data.remove::<PanelState>(Id::new("scene")));
             }
             let panel = Panel::right("scene").default_size(self.width.min(most)).size_range(LEAST..=most);
@@ -189,7 +189,7 @@ impl Panels {
                 ui.ctx().request_repaint();
             }
         }
-        // A compiler that answers and a file that changes are seen without a move of the mouse.
+        // Polls for the compiler and the watched file without user input.
         self.author.wakes().into_iter().for_each(|wait| ui.ctx().request_repaint_after(wait));
         let at_stake = self.dialogs.question.as_ref().filter(|asked| **asked == Question::Quit);
         let at_stake = at_stake.and_then(|_| self.at_stake(model));
@@ -223,9 +223,9 @@ impl Panels {
         }
         refused.into_iter().for_each(|line| model.say(line));
         acts.into_iter().for_each(|act| self.act(act, model));
-        // A picture that another program wrote is replaced by those who say so, and unsaved work is not left by one click.
+        // Replacing a file and leaving unsaved work take a confirmation.
         requests = requests.into_iter().filter_map(|request| self.asking(request, model)).collect();
-        // A drag is one step of the history, and a pair of keys is two.
+        // A drag is one undo step, and two keys are two.
         if !ui.ctx().input(|input| input.pointer.any_down()) {
             model.end_undo_group();
         }
@@ -257,7 +257,7 @@ impl Panels {
         if advanced {
             section(ui, "What it holds", false, |ui| file_info::show(ui, pass, part, &mut self.known));
         }
-        // Above its parameters: another module has others, and moves nothing under the pointer.
+        // Above the parameters, whose number changes with the modules, so that nothing moves under the pointer.
         if advanced {
             section(ui, "Effect", true, |ui| effect::show(ui, pass, part));
         }
@@ -277,7 +277,7 @@ impl Panels {
         });
     }
 
-    /// A request that nothing is lost by; of others it is asked.
+    /// Passes a request on, or asks a question instead.
     fn asking(&mut self, request: Request, model: &Model) -> Option<Request> {
         match request {
             Request::Screenshot(path) => self.dialogs.picture(path),

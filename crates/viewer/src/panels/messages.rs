@@ -1,13 +1,13 @@
-//! What went wrong or was done: over the picture, whose size it does not change.
+//! Messages over the picture.
 
 use crate::message::Message;
 use egui::{Align2, Area, Frame, Id, Label, Order, RichText, Ui, Vec2};
 use std::time::Duration;
 
-/// Width of a message at most, points.
+/// Maximal width of a message, points.
 const WIDTH: f32 = 620.0;
 
-/// The messages that hold, over the lower end of what the panels have left.
+/// Shows the messages over the lower end of the picture.
 pub(super) fn show(ui: &Ui, messages: &[&Message]) {
     let held: Vec<(&Message, Duration)> =
         messages.iter().filter_map(|message| Some((*message, message.remaining()?))).collect();

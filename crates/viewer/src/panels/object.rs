@@ -7,7 +7,7 @@ use egui::Ui;
 use hypertexture::scene::schema::SETTINGS;
 use hypertexture::shape::BUILT_IN;
 
-/// Which object is edited, and how the objects make one.
+/// The list of objects, and the formula that combines them.
 pub(super) fn list(ui: &mut Ui, pass: &mut Pass<'_>, selected: &mut Option<String>) {
     ui.horizontal_wrapped(|ui| {
         let names = [None].into_iter().chain(pass.model.scene().parts.keys().cloned().map(Some));
@@ -22,7 +22,7 @@ pub(super) fn list(ui: &mut Ui, pass: &mut Pass<'_>, selected: &mut Option<Strin
             pass.acts.push(Act::AddPart);
         }
         if let Some(name) = &selected
-            && button(ui, "remove", "remove object", "Remove the object that is edited.").clicked()
+            && button(ui, "remove", "remove object", "Remove the selected object.").clicked()
         {
             pass.acts.push(Act::RemovePart(name.clone()));
         }
@@ -38,7 +38,7 @@ pub(super) fn list(ui: &mut Ui, pass: &mut Pass<'_>, selected: &mut Option<Strin
     }
 }
 
-/// One object: where it comes from and where it is soft. Only the whole scene is stretched.
+/// Input and soft region of one object. Only the main object has a stretch.
 pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
     built_in(ui, pass, part);
     let own = SETTINGS.iter().filter(|setting| setting.table() == "object");
@@ -47,12 +47,11 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
     }
 }
 
-/// The objects that there are without a file, and those of a file.
+/// The list of built-in objects.
 fn built_in(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
     let object = part.and_then(|part| pass.draft.parts.get(part)).map_or(&pass.draft.object, |part| &part.object);
     let name = format!("{}object.input", prefix(part));
-    let row =
-        Field { text: Some("built-in"), ..field(format!("{name}.list"), "Objects that there are without a file.") };
+    let row = Field { text: Some("built-in"), ..field(format!("{name}.list"), "Built-in objects.") };
     let mut options: Vec<_> = BUILT_IN.iter().map(|name| (name.to_string(), *name, String::new())).collect();
     let mut now = object.input.clone();
     if !BUILT_IN.contains(&now.as_str()) {
@@ -62,7 +61,7 @@ fn built_in(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
     choice(ui, &mut touch, &row, &mut now, &options);
     if touch.is_some() {
         match part {
-            // What is aligned with the scene's own object goes with it.
+            // Also realigns the inputs that are aligned with the main object.
             None => pass.draft.replace_object(&now),
             Some(part) => drop(pass.draft.parts.get_mut(part).map(|part| part.object.input.clone_from(&now))),
         }

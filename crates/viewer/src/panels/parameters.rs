@@ -1,4 +1,4 @@
-//! The parameters that the modules declare: each a slider with its range, or a color.
+//! Parameters of modules, as sliders and colors.
 
 use super::context::{Pass, own, prefix};
 use super::widgets::{self, color, field, number};
@@ -6,11 +6,11 @@ use egui::{Button, RichText, Ui};
 use hypertexture::scene::ParameterValue;
 use hypertexture::shader::ParameterKind;
 
-/// Every parameter of an object.
+/// The parameters of an object.
 pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
     let (model, declared) = (pass.model, pass.model.parameters(part));
     if declared.iter().next().is_none() {
-        ui.label(RichText::new("the modules of this effect declare none").weak());
+        ui.label(RichText::new("the modules of this effect have no parameters").weak());
     }
     let values = own(&mut pass.draft, part).parameters;
     for (parameter, value) in declared.iter() {
@@ -32,7 +32,7 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
                 ParameterValue::Color(color) => String::from(*color),
             };
             if widgets::named(ui, &reset, &format!("{name}.reset"))
-                .on_hover_text(format!("Back to {shown}, as the preset has it."))
+                .on_hover_text(format!("Reset to {shown}, the value of the preset."))
                 .clicked()
             {
                 new = default;

@@ -1,4 +1,4 @@
-//! Presets: a picture of each, the one of the scene marked.
+//! Presets as thumbnails.
 
 use super::context::{Act, Pass};
 use super::widgets::{named, switch};
@@ -8,20 +8,20 @@ use egui::{
 use egui::{WidgetInfo, WidgetText, WidgetType};
 use hypertexture::scene;
 
-/// A picture of every preset below the other, in the order of their names; made as docs/architecture.md says.
+/// Thumbnails of all presets in one column, generated as described in docs/architecture.md.
 const PICTURES: &[u8] = include_bytes!("presets.png");
-/// Height of a picture against its width.
+/// Height of a thumbnail divided by its width.
 const ASPECT: f32 = 0.75;
-/// Width of a picture at most, points.
+/// Maximal width of a thumbnail, points.
 const WIDTH: f32 = 96.0;
-/// Height of its name, points.
+/// Height of the name, points.
 const NAME: f32 = 15.0;
-/// Height of all of them at most, points: half a row shows that there are more.
+/// Maximal height of the list, points: half a row shows that it scrolls.
 const HEIGHT: f32 = 212.0;
 
-/// Every preset; taken on the object that is there, or with its own object and view.
+/// The list of presets, and whether they bring their own object and view.
 pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, with_own: &mut bool) {
-    let own = super::widgets::field("presets.own", "Take the object, the view and the moment of the preset as well.");
+    let own = super::widgets::field("presets.own", "Also use the object, the view and the time of the preset.");
     switch(ui, &mut None, &super::widgets::Field { text: Some("own object, view"), ..own }, with_own);
     ScrollArea::vertical().id_salt("presets").max_height(HEIGHT).show(ui, |ui| pictures_of_all(ui, pass, *with_own));
 }
@@ -41,7 +41,7 @@ fn pictures_of_all(ui: &mut Ui, pass: &mut Pass<'_>, with_own: bool) {
     });
 }
 
-/// A picture that can be pressed, and its name below.
+/// A thumbnail with its name, as a button.
 fn button(ui: &mut Ui, name: &str, index: usize, width: f32, is_current: bool) -> bool {
     let size = Vec2::new(width, (width * ASPECT).round() + NAME);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
@@ -77,7 +77,7 @@ fn button(ui: &mut Ui, name: &str, index: usize, width: f32, is_current: bool) -
     response.on_hover_ui(about).clicked()
 }
 
-/// The pictures on the device of this context.
+/// The texture of the thumbnails.
 fn pictures(ui: &Ui) -> Option<TextureHandle> {
     let id = Id::new("pictures of presets");
     let held: Option<TextureHandle> = ui.data(|data| data.get_temp(id));

@@ -1,36 +1,36 @@
-//! What the panels ask for.
+//! Requests of the panels.
 
 use crate::playback::Playback;
 use hypertexture::scene::Scene;
 use std::path::PathBuf;
 
-/// What only the window can do.
+/// A request that only the window can fulfill.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Request {
-    /// Write the picture that is shown.
+    /// Writes the current picture.
     Screenshot(PathBuf),
-    /// Look at the object as the preset does.
+    /// Resets the camera to that of the preset.
     ResetCamera,
-    /// Show this scene beside the one that is edited; none ends it.
+    /// Compares with this scene; `None` ends the comparison.
     Split(Option<Box<Scene>>),
-    /// Start or end the writing of frames.
+    /// Starts or stops a turntable.
     Record(bool),
-    /// Let time stand still, or go on.
+    /// Pauses or resumes time.
     Pause(bool),
-    /// Go to a time, seconds.
+    /// Sets the time, seconds.
     Time(f64),
-    /// How time runs from now on.
+    /// Sets speed, range and repetition of time.
     Playback(Playback),
     /// Whether a drag keeps the vertical axis upright.
     Level(bool),
-    /// Choose samples so that the error is at most this; none leaves them to the scene.
+    /// Sets the error target; `None` uses the samples of the scene.
     MaxError(Option<f64>),
-    /// Show which pixels are not to be trusted, or the picture again.
+    /// Shows or hides the validity of pixels.
     Validity(bool),
-    /// Find how many points of the object have which density, in time: the transfer map is looked at.
+    /// Computes the histogram of densities for the transfer map.
     Densities,
-    /// Show a mesh, a scan, a scene or a module.
+    /// Opens a mesh, a scan, a scene or a module.
     Open(PathBuf),
-    /// End the program.
+    /// Closes the program.
     Quit,
 }

@@ -1,4 +1,4 @@
-//! The controls of settings, as the schema has them.
+//! Controls of settings, generated from the schema.
 
 use super::context::Pass;
 use super::widgets::{self, Field, choice, color, field, number, numbers, switch, text};
@@ -8,16 +8,16 @@ use hypertexture::scene::schema::{self, Kind, SETTINGS, Setting, float};
 use hypertexture::shader::Library;
 use toml::Value;
 
-/// The part of a usual range that a number is dragged by with each point.
+/// Change per dragged point, as a fraction of the usual range.
 const DRAG: f32 = 1.0 / 400.0;
 
-/// Modules of `classify` that a scene takes by its integration or its objects, never by name.
+/// Modules of `classify` that follow from other settings.
 const NOT_CHOSEN: [&str; 4] = ["objects", "stack", "surface_segment", "soft_segment"];
 
-/// The setting that programs make, and no hand: 32 numbers.
+/// A setting of 32 numbers, which only programs set.
 const MADE: &str = "camera.matrices";
 
-/// Settings that are there without the advanced ones.
+/// Basic settings.
 const BASIC: [&str; 24] = [
     "object.input",
     "object.iso",
@@ -45,7 +45,7 @@ const BASIC: [&str; 24] = [
     "transfer.stops",
 ];
 
-/// Settings that go by another name than that of their field.
+/// Labels that differ from the name of the field.
 const WORDS: [(&str, &str); 8] = [
     ("object.input", "object"),
     ("object.iso", "iso-value"),
@@ -57,7 +57,7 @@ const WORDS: [(&str, &str); 8] = [
     ("quality.early_termination", "opacity cut-off"),
 ];
 
-/// Whether a setting is there without the advanced ones.
+/// Whether a setting is a basic one.
 pub(super) fn is_basic(setting: &Setting) -> bool {
     BASIC.contains(&setting.name)
 }
@@ -73,7 +73,7 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, prefix: &str, name: &str) {
     show_some(ui, pass, prefix, name, &|_| true);
 }
 
-/// The control of one setting, with those of its numbers that are `offered`.
+/// The control of one setting, limited to the `offered` values.
 pub(super) fn show_some(ui: &mut Ui, pass: &mut Pass<'_>, prefix: &str, name: &str, offered: &dyn Fn(u32) -> bool) {
     if let Some(setting) = schema::setting(name) {
         control(ui, pass, prefix, setting, offered);
@@ -113,7 +113,7 @@ fn rows(ui: &mut Ui, pass: &mut Pass<'_>, prefix: &str, setting: &Setting, offer
     }
 }
 
-/// Shows the control; what it was changed to, as a scene file has it.
+/// Shows the control; returns a new value in the syntax of scene files.
 fn changed(
     ui: &mut Ui,
     pass: &Pass<'_>,
@@ -183,7 +183,7 @@ fn changed(
             let mut now = value.as_str()?.to_string();
             let mut options = modules(pass.model.library(), setting.field());
             if setting.field() == "project" {
-                let doc = "The formula of an object that is one, else its closest points.";
+                let doc = "The formula of an analytic object, else its closest points.";
                 options.insert(0, ("auto".into(), "auto", doc.into()));
             }
             choice(ui, &mut touch, row, &mut now, &options);
@@ -194,14 +194,14 @@ fn changed(
     touch.map(|_| shown)
 }
 
-/// The first line of a module: what it computes.
+/// Description of a module: its first line.
 fn about(library: &Library, slot: &str, name: &str) -> String {
     let text = library.source(&format!("{slot}/{name}.glsl")).unwrap_or_default();
     let line = text.lines().next().unwrap_or_default().trim_start_matches("//").trim();
     if line.is_empty() { format!("{slot}/{name}.glsl") } else { line.into() }
 }
 
-/// Every module of a slot with its first line.
+/// The modules of a slot with their descriptions.
 pub(super) fn modules<'a>(library: &'a Library, slot: &str) -> Vec<(String, &'a str, String)> {
     let names = library.modules(slot).into_iter().filter(|name| slot != "classify" || !NOT_CHOSEN.contains(name));
     names.map(|name| (name.to_string(), name, about(library, slot, name))).collect()

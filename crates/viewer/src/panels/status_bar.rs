@@ -1,17 +1,17 @@
-//! The status line below the picture, and what the picture was made with.
+//! The status bar below the picture, and the list of facts about its rendering.
 
 use super::status::Status;
 use egui::{Align, Color32, Label, Layout, ProgressBar, RichText, Sense, Stroke, Ui, Vec2};
 
-/// Below this width the line says only what is on the screen and how good it is, points.
+/// Minimal width for device, times and help, points.
 const WIDE: f32 = 760.0;
-/// A step of 8 bits in the mid tones, linear light: the mean of those of the codes 64 to 192.
+/// Mean step of 8 bits between the codes 64 and 192, linear light.
 const STEP: f64 = 0.0037;
-/// Up to how many of these steps an error means what.
+/// Largest error of each meaning, in such steps.
 const MEANINGS: [(f64, &str); 4] =
     [(0.5, "not visible"), (2.0, "hardly visible"), (8.0, "visible up close"), (f64::INFINITY, "clearly visible")];
 
-/// What is on the screen, how good it is, what that means, and what it took.
+/// The status bar: stage, error with its meaning, and time.
 pub(super) fn show(ui: &mut Ui, status: &Status) {
     let is_wide = ui.available_width() >= WIDE;
     ui.horizontal(|ui| {
@@ -35,7 +35,7 @@ pub(super) fn show(ui: &mut Ui, status: &Status) {
         }
         if !status.ignored.is_empty() {
             let line = format!("ignored: {}", status.ignored.join(", "));
-            let doc = format!("{line}: the picture is the same without.");
+            let doc = format!("{line}: no effect on the picture.");
             ui.add(Label::new(RichText::new(line).weak()).truncate()).on_hover_text(doc);
         }
         if is_wide {
@@ -50,13 +50,13 @@ pub(super) fn show(ui: &mut Ui, status: &Status) {
     });
 }
 
-/// What an error means to the eye.
+/// Visibility of an error.
 fn meaning(error: f64) -> &'static str {
     let steps = error / STEP;
     MEANINGS.iter().find(|(most, _)| steps <= *most).map_or("unknown", |(_, words)| words)
 }
 
-/// A small number with two digits that count.
+/// A small number with two significant digits.
 fn plain(value: f64) -> String {
     match value {
         value if value > 0.0 && value < 1e-4 => format!("{value:.1e}"),
@@ -67,7 +67,7 @@ fn plain(value: f64) -> String {
     }
 }
 
-/// The time of a picture.
+/// A duration.
 fn time(ms: f64) -> String {
     match ms {
         ms if ms < 10.0 => format!("{ms:.1} ms"),
@@ -76,7 +76,7 @@ fn time(ms: f64) -> String {
     }
 }
 
-/// What the picture was made with.
+/// The list of facts about the rendering.
 pub(super) fn made(ui: &mut Ui, lines: &[[String; 2]]) {
     egui::Grid::new("made").num_columns(2).striped(true).show(ui, |ui| {
         for [about, what] in lines {
@@ -87,7 +87,7 @@ pub(super) fn made(ui: &mut Ui, lines: &[[String; 2]]) {
     });
 }
 
-/// The times of the last pictures; the line is what they may take while the scene moves.
+/// A plot of the times of the last previews, with the budget as a line.
 fn plot(ui: &mut Ui, recent_ms: &[f64], budget_ms: f64) {
     let (response, painter) = ui.allocate_painter(Vec2::new(120.0, 18.0), Sense::hover());
     let (rect, visuals) = (response.rect, ui.visuals());
@@ -100,7 +100,7 @@ fn plot(ui: &mut Ui, recent_ms: &[f64], budget_ms: f64) {
         let color: Color32 = if *ms <= budget_ms { visuals.hyperlink_color } else { visuals.warn_fg_color };
         painter.vline(x, y(*ms)..=rect.bottom(), Stroke::new(1.5, color));
     }
-    response.on_hover_text(format!("milliseconds on the device of the last previews; the line: {budget_ms:.0} ms"));
+    response.on_hover_text(format!("time of the last previews on the device; the line marks {budget_ms:.0} ms"));
 }
 
 #[cfg(test)]

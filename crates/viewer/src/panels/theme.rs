@@ -1,19 +1,19 @@
-//! Colors of the window, dark and light.
+//! Dark and light theme.
 //!
-//! Invariant: text stands out from what is behind it by 4.5 to 1 at least (WCAG 2.2, 1.4.3), also where it is weak, warns,
-//! or belongs to a control that is switched off.
+//! Invariant: the contrast of text is at least 4.5 to 1 (WCAG 2.2, 1.4.3), also for weak text, warnings and disabled
+//! controls.
 
 use egui::{Color32, Context, CornerRadius, Id, Stroke, Theme, ThemePreference, Ui, Visuals};
 use std::path::{Path, PathBuf};
 use support::{open, write_whole};
 
-/// The longest name of a theme that is read, in bytes.
+/// Size limit of the file, bytes.
 const MAX_NAME: u64 = 16;
-/// What a person may choose, and as what it is kept.
+/// Choices with their names in the file.
 const CHOICES: [(ThemePreference, &str); 3] =
     [(ThemePreference::System, "system"), (ThemePreference::Dark, "dark"), (ThemePreference::Light, "light")];
 
-/// The theme that a person has chosen, kept from window to window.
+/// The chosen theme, which persists.
 pub(super) struct Chosen {
     preference: ThemePreference,
     file: Option<PathBuf>,
@@ -26,7 +26,7 @@ impl Default for Chosen {
 }
 
 impl Chosen {
-    /// Takes over what is kept in a folder.
+    /// Reads the theme in a folder.
     pub(super) fn remember(&mut self, folder: Option<&Path>) {
         self.file = folder.map(|folder| folder.join("theme"));
         let name = self.file.as_deref().and_then(|file| open::text(file, MAX_NAME).ok()).unwrap_or_default();
@@ -34,7 +34,7 @@ impl Chosen {
         self.preference = kept.map_or(ThemePreference::System, |(preference, _)| *preference);
     }
 
-    /// Gives a context these colors.
+    /// Applies the theme to a context.
     pub(super) fn apply(&self, context: &Context) {
         let id = Id::new("theme");
         if !context.data(|data| data.get_temp(id)).unwrap_or(false) {
@@ -48,7 +48,7 @@ impl Chosen {
         }
     }
 
-    /// Lets a person choose.
+    /// The choice of a theme.
     pub(super) fn show(&mut self, ui: &mut Ui) {
         for (preference, name) in CHOICES {
             let response = ui.selectable_label(self.preference == preference, name);
@@ -64,7 +64,7 @@ impl Chosen {
     }
 }
 
-/// What a theme is made of.
+/// Colors of a theme.
 struct Palette {
     panel: Color32,
     field: Color32,
@@ -72,7 +72,7 @@ struct Palette {
     text: Color32,
     weak: Color32,
     strong: Color32,
-    /// Fill of a control at rest, under the pointer, pressed, and open.
+    /// Fill of a control: inactive, hovered, pressed, open.
     control: [Color32; 4],
     selected: [Color32; 2],
     link: Color32,
@@ -80,7 +80,7 @@ struct Palette {
     error: Color32,
 }
 
-/// Light on dark.
+/// The dark theme.
 pub fn dark() -> Visuals {
     let gray = Color32::from_gray;
     let palette = Palette {
@@ -99,7 +99,7 @@ pub fn dark() -> Visuals {
     palette.over(Visuals::dark())
 }
 
-/// Dark on light.
+/// The light theme.
 pub fn light() -> Visuals {
     let gray = Color32::from_gray;
     let palette = Palette {
@@ -139,14 +139,14 @@ impl Palette {
             own.corner_radius = CornerRadius::same(4);
         }
         widgets.noninteractive.bg_stroke = Stroke::new(1.0, line);
-        // What has the keys is seen at a glance.
+        // The focused control has a prominent outline.
         widgets.active.bg_stroke = Stroke::new(1.5, link);
         widgets.hovered.bg_stroke = Stroke::new(1.0, weak);
         visuals
     }
 }
 
-/// WCAG 2.2: relative luminance of an opaque color.
+/// Relative luminance of an opaque color (WCAG 2.2).
 #[cfg(test)]
 fn luminance(color: Color32) -> f64 {
     let linear = |code: u8| {
@@ -156,7 +156,7 @@ fn luminance(color: Color32) -> f64 {
     0.2126 * linear(color.r()) + 0.7152 * linear(color.g()) + 0.0722 * linear(color.b())
 }
 
-/// WCAG 2.2: how much two opaque colors stand out from each other.
+/// Contrast ratio of two opaque colors (WCAG 2.2).
 #[cfg(test)]
 pub(super) fn contrast(a: Color32, b: Color32) -> f64 {
     let [a, b] = [luminance(a), luminance(b)];

@@ -6,10 +6,10 @@ use super::widgets::{button, named};
 use crate::model::Model;
 use egui::{DragValue, Slider, SliderClamping, Ui};
 
-/// Width of what is right of the slider, points: its number, speed, loop, and the range.
+/// Width of the controls right of the slider, points.
 const RIGHT: f32 = 300.0;
 
-/// Play and pause, the time, how fast it runs, and which part of it is shown.
+/// Playback button, time slider, speed, repetition and range.
 pub(super) fn show(ui: &mut Ui, model: &Model, status: &Status, requests: &mut Vec<Request>) {
     let (mut playback, mut time) = (status.playback, status.time.unwrap_or(model.scene().camera.time));
     ui.horizontal(|ui| {
@@ -29,17 +29,17 @@ pub(super) fn show(ui: &mut Ui, model: &Model, status: &Status, requests: &mut V
         }
         let speed = DragValue::new(&mut playback.speed).range(0.01..=100.0).speed(0.01).prefix("× ").max_decimals(2);
         let response = ui.add(speed);
-        named(ui, &response, "timeline speed").on_hover_text("Seconds of the scene in a second.");
+        named(ui, &response, "timeline speed").on_hover_text("Seconds of the scene per second.");
         let repeats = ui.toggle_value(&mut playback.repeats, "loop");
-        named(ui, &repeats, "timeline loop").on_hover_text("Begin again at the end of the range.");
+        named(ui, &repeats, "timeline loop").on_hover_text("Repeat the range.");
         let [from, to] = &mut playback.range;
         let end = |ui: &mut Ui, value: &mut f64, name: &str, doc: &str| {
             let drag = DragValue::new(value).speed(0.05).max_decimals(2).suffix(" s");
             let response = ui.add(drag);
             named(ui, &response, name).on_hover_text(doc);
         };
-        end(ui, from, "timeline from", "Where the timeline begins.");
-        end(ui, to, "timeline to", "Where it ends.");
+        end(ui, from, "timeline from", "Start of the timeline.");
+        end(ui, to, "timeline to", "End of the timeline.");
     });
     playback.range[1] = playback.range[1].max(playback.range[0] + 0.01);
     if playback != status.playback {

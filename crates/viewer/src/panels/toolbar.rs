@@ -1,4 +1,4 @@
-//! History, files, and what the window is asked for.
+//! Toolbar and file section.
 
 use super::context::{Act, Pass};
 use super::request::Request;
@@ -10,7 +10,7 @@ use std::path::PathBuf;
 const UNDO: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::Z);
 const REDO: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::Y);
 
-/// Undo, redo, the command line, and what the window is asked for.
+/// Undo, redo, copy of the command line, editor and window buttons.
 pub(super) fn history(ui: &mut Ui, pass: &mut Pass<'_>, author_is_open: &mut bool) {
     let model = pass.model;
     ui.horizontal_wrapped(|ui| {
@@ -45,19 +45,19 @@ fn window(ui: &mut Ui, pass: &mut Pass<'_>) {
         }
     };
     let (text, doc) = match status.paused {
-        true => ("\u{25b6} Play", "Let time run (Space)."),
-        false => ("\u{23f8} Pause", "Let time stand still (Space)."),
+        true => ("\u{25b6} Play", "Play (Space)."),
+        false => ("\u{23f8} Pause", "Pause (Space)."),
     };
     ask(ui, !status.paused, text, "pause", doc, Request::Pause(!status.paused));
-    let doc = "Write the pictures of a turn around the object, or stop (T).";
+    let doc = "Write the pictures of a turntable, or stop (T).";
     ask(ui, status.recording, "Turntable", "record", doc, Request::Record(!status.recording));
     let other = (!status.split).then(|| Box::new(pass.model.scene().clone()));
-    let doc = "Keep this scene beside the one that is edited (C).";
+    let doc = "Pin this scene and compare with it (C).";
     ask(ui, status.split, "Compare", "compare", doc, Request::Split(other));
-    ask(ui, false, "Quit", "quit", "End the program.", Request::Quit);
+    ask(ui, false, "Quit", "quit", "Close the program.", Request::Quit);
 }
 
-/// Reading and writing.
+/// Fields and buttons for files.
 pub(super) fn files(ui: &mut Ui, pass: &mut Pass<'_>, paths: &mut [String; 2], recent: &[PathBuf]) {
     let state = match (pass.model.file(), pass.model.is_dirty()) {
         (None, false) => "as it began".into(),
@@ -70,11 +70,11 @@ pub(super) fn files(ui: &mut Ui, pass: &mut Pass<'_>, paths: &mut [String; 2], r
     let line = |ui: &mut Ui, path: &mut String, name: &str| {
         let edit = TextEdit::singleline(path).hint_text("scene.toml");
         let response = ui.add(edit.desired_width((ui.available_width() - 190.0).clamp(80.0, 190.0)));
-        named(ui, &response, name).on_hover_text("Path, from where the program was started.");
+        named(ui, &response, name).on_hover_text("Path, relative to the working directory.");
     };
     ui.horizontal_wrapped(|ui| {
         line(ui, file, "file.scene");
-        if button(ui, "open", "file.open", "Read a scene file (.toml), or take another file as the object.").clicked() {
+        if button(ui, "open", "file.open", "Open a scene file (.toml), or another file as the object.").clicked() {
             let file = file.trim();
             pass.acts.push(if file.is_empty() { Act::Choose } else { Act::Open(PathBuf::from(file)) });
         }
@@ -87,7 +87,7 @@ pub(super) fn files(ui: &mut Ui, pass: &mut Pass<'_>, paths: &mut [String; 2], r
     });
     ui.horizontal_wrapped(|ui| {
         line(ui, picture, "file.picture");
-        if button(ui, "screenshot", "file.screenshot", "Write the picture that is shown: .png or .exr.").clicked() {
+        if button(ui, "screenshot", "file.screenshot", "Write the current picture: .png or .exr.").clicked() {
             pass.requests.push(Request::Screenshot(PathBuf::from(picture.trim())));
         }
     });

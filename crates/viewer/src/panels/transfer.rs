@@ -1,6 +1,6 @@
-//! The editor of the transfer map: a curve of density with points to drag, and the stops of color on a bar.
+//! Editor of the transfer map: a curve of opacity by density, and a bar of colors.
 //!
-//! A click selects a stop, a drag moves it, a double click adds one or takes one away.
+//! A click selects a stop, a drag moves it, a double click adds or removes one.
 
 use super::context::{Pass, own, prefix};
 use super::request::Request;
@@ -14,22 +14,20 @@ use hypertexture::scene::{Color, Stop, Transfer, linear_to_srgb};
 
 /// Height of the curve and of the bar, points.
 const HEIGHTS: [f32; 2] = [110.0, 22.0];
-/// Radius of a point of the curve.
+/// Radius of a point, points.
 const RADIUS: f32 = 5.5;
-/// Pieces of the curve that are drawn.
+/// Number of segments of the curve.
 const PIECES: usize = 160;
-/// Stops of a map, at most: as the check has it.
+/// Limit for stops, as in the check of the scene.
 const MAX_STOPS: usize = 256;
 
-/// The map of an object.
+/// The transfer map of an object.
 pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, selected: &mut usize) {
     let at = |name: &str| format!("{}transfer.{name}", prefix(part));
     let read = reads_map(pass, part);
     let refracts = pass.draft.effect.ray_path == hypertexture::scene::RayPath::Refracted;
     if !read {
-        ui.weak(
-            "no module of this effect reads it; medium transfer and classify post, pre, preintegrated and clear do",
-        );
+        ui.weak("not used by this effect, but by medium transfer and classify post, pre, preintegrated and clear");
     }
     settings::show(ui, pass, &prefix(part), "transfer.curve");
     pass.requests.push(Request::Densities);
@@ -39,12 +37,12 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, selecte
     curve(ui, transfer, pass.status.densities.as_deref().unwrap_or_default(), selected, &at("curve_editor"));
     bar(ui, transfer, selected, &at("bar"));
     ui.horizontal_wrapped(|ui| {
-        if button(ui, "add stop", &at("add"), "Add a stop behind the one that is selected.").clicked() {
+        if button(ui, "add stop", &at("add"), "Add a stop after the selected one.").clicked() {
             let from = transfer.stops.get(*selected).map_or(0.0, |stop| stop.at);
             let to = transfer.stops.get(*selected + 1).map_or(1.0, |stop| stop.at);
             *selected = add(transfer, 0.5 * (from + to), None);
         }
-        if button(ui, "remove stop", &at("remove"), "Take away the stop that is selected.").clicked() {
+        if button(ui, "remove stop", &at("remove"), "Remove the selected stop.").clicked() {
             remove(transfer, selected);
         }
     });
@@ -58,16 +56,16 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, selecte
         number(ui, touch, &field(name("at"), "Density at which the stop is."), &mut stop.at, 0.0..=1.0);
         stop.at = stop.at.clamp(low, high);
         color(ui, touch, &field(name("color"), "Color there."), &mut stop.color);
-        let doc = "Density that the opacity is made of; 1 is opaque.";
+        let doc = "Opacity; 1 is opaque.";
         number(ui, touch, &field(name("density"), doc), &mut stop.density, 0.0..=1.0);
         if refracts || stop.index != 1.0 {
-            let doc = "Index of refraction; read where rays bend.";
+            let doc = "Index of refraction; used by refracted rays.";
             number(ui, touch, &field(name("index"), doc), &mut stop.index, 1.0..=4.0);
         }
     }
 }
 
-/// Whether a module of the effect reads the map.
+/// Whether a module of the effect reads the transfer map.
 fn reads_map(pass: &Pass<'_>, part: Option<&str>) -> bool {
     let scene = pass.model.scene();
     let effect = part.and_then(|part| scene.parts.get(part)).map_or(&scene.effect, |part| &part.effect);
@@ -79,7 +77,7 @@ fn reads_map(pass: &Pass<'_>, part: Option<&str>) -> bool {
         || media.chain([("surface", effect.surface.as_str())]).filter_map(source).any(|text| text.contains("transfer"))
 }
 
-/// Opacity by density, with a point for each stop, over how much of the object has which density.
+/// The curve with a point for each stop, over the histogram of densities.
 fn curve(ui: &mut Ui, transfer: &mut Transfer, densities: &[u32], selected: &mut usize, name: &str) {
     let (area, rect) = field_of(ui, HEIGHTS[0], name);
     histogram(ui, rect, densities);
@@ -101,39 +99,60 @@ fn curve(ui: &mut Ui, transfer: &mut Transfer, densities: &[u32], selected: &mut
         let part = (pos - rect.min) / rect.size();
         [part.x.clamp(0.0, 1.0), 1.0 - part.y.clamp(0.0, 1.0)]
     };
-    let mut act = None;
+    let shown = |index: usize, stop: &Stop| {
+        (place(stop.at, stop.density), vec2(RADIUS, RADIUS) * 2.6, format!("{name}.{index}"))
+    };
+    let at = |pos: Pos2| {
+        let [at, density] = parts(pos);
+        (at, Some(density))
+    };
+    stops(ui, transfer, selected, &area, &shown, &at, &|stop, ring| {
+        painter.circle(place(stop.at, stop.density), RADIUS, painted(stop.color), ring);
+    });
+}
+
+/// Handles of the stops: a click selects, a drag moves, a double click removes a stop or adds one to the `area`. `shown`
+/// gives center, size and name of a handle, `at` the position and density at a point, and `paint` draws a stop.
+fn stops(
+    ui: &Ui,
+    transfer: &mut Transfer,
+    selected: &mut usize,
+    area: &Response,
+    shown: &dyn Fn(usize, &Stop) -> (Pos2, Vec2, String),
+    at: &dyn Fn(Pos2) -> (f32, Option<f32>),
+    paint: &dyn Fn(&Stop, Stroke),
+) {
+    let mut removed = None;
     for index in 0..transfer.stops.len() {
-        let stop = transfer.stops[index];
-        let handle = handle(ui, place(stop.at, stop.density), vec2(RADIUS, RADIUS) * 2.6, &format!("{name}.{index}"));
+        let (center, size, name) = shown(index, &transfer.stops[index]);
+        let handle = handle(ui, center, size, &name);
         match (handle.double_clicked(), handle.dragged().then(|| handle.interact_pointer_pos()).flatten()) {
-            (true, _) => act = Some(index),
+            (true, _) => removed = Some(index),
             (_, Some(pos)) => {
-                let [at, density] = parts(pos);
-                put(transfer, index, at, Some(density));
+                let (at, density) = at(pos);
+                put(transfer, index, at, density);
                 *selected = index;
             }
             _ if handle.clicked() => *selected = index,
             _ => {}
         }
-        let stop = transfer.stops[index];
-        let ring = ring(ui, index == *selected || handle.hovered());
-        painter.circle(place(stop.at, stop.density), RADIUS, painted(stop.color), ring);
+        paint(&transfer.stops[index], ring(ui, index == *selected || handle.hovered()));
     }
-    match act {
-        Some(index) => {
+    let added = area.interact_pointer_pos().filter(|_| area.double_clicked());
+    match (removed, added) {
+        (Some(index), _) => {
             *selected = index;
             remove(transfer, selected);
         }
-        None if area.double_clicked() => {
-            if let Some([at, density]) = area.interact_pointer_pos().map(parts) {
-                *selected = add(transfer, at, Some(density));
-            }
+        (None, Some(pos)) => {
+            let (at, density) = at(pos);
+            *selected = add(transfer, at, density);
         }
-        None => {}
+        (None, None) => {}
     }
 }
 
-/// Bars of how many points of the object have a density, logarithmic, and what the axes are.
+/// The logarithmic histogram of densities, and the labels of the axes.
 fn histogram(ui: &Ui, rect: Rect, densities: &[u32]) {
     let (painter, visuals) = (ui.painter_at(rect), ui.visuals());
     let height = |count: u32| (f64::from(count) + 1.0).ln() as f32;
@@ -152,7 +171,7 @@ fn histogram(ui: &Ui, rect: Rect, densities: &[u32]) {
     }
 }
 
-/// The colors, with a mark for each stop.
+/// The color bar with a mark for each stop.
 fn bar(ui: &mut Ui, transfer: &mut Transfer, selected: &mut usize, name: &str) {
     let (area, rect) = field_of(ui, HEIGHTS[1], name);
     let painter = ui.painter_at(rect.expand(RADIUS + 1.0));
@@ -168,47 +187,23 @@ fn bar(ui: &mut Ui, transfer: &mut Transfer, selected: &mut usize, name: &str) {
             Color32::from_rgb(r, g, b),
         );
     }
-    let part = |pos: Pos2| ((pos.x - rect.left()) / rect.width()).clamp(0.0, 1.0);
-    let mut act = None;
-    for index in 0..transfer.stops.len() {
-        let place = |at: f32| pos2(egui::lerp(rect.x_range(), at), rect.center().y);
-        let size = vec2(RADIUS * 2.0, rect.height());
-        let handle = handle(ui, place(transfer.stops[index].at), size, &format!("{name}.{index}"));
-        match (handle.double_clicked(), handle.dragged().then(|| handle.interact_pointer_pos()).flatten()) {
-            (true, _) => act = Some(index),
-            (_, Some(pos)) => {
-                put(transfer, index, part(pos), None);
-                *selected = index;
-            }
-            _ if handle.clicked() => *selected = index,
-            _ => {}
-        }
-        let stop = transfer.stops[index];
+    let place = |at: f32| pos2(egui::lerp(rect.x_range(), at), rect.center().y);
+    let shown =
+        |index: usize, stop: &Stop| (place(stop.at), vec2(RADIUS * 2.0, rect.height()), format!("{name}.{index}"));
+    let at = |pos: Pos2| (((pos.x - rect.left()) / rect.width()).clamp(0.0, 1.0), None);
+    stops(ui, transfer, selected, &area, &shown, &at, &|stop, ring| {
         let mark = Rect::from_center_size(place(stop.at), vec2(RADIUS * 1.4, rect.height() + 2.0));
-        let ring = ring(ui, index == *selected || handle.hovered());
         painter.rect(mark, CornerRadius::same(2), painted(stop.color), ring, StrokeKind::Inside);
-    }
-    match act {
-        Some(index) => {
-            *selected = index;
-            remove(transfer, selected);
-        }
-        None if area.double_clicked() => {
-            if let Some(pos) = area.interact_pointer_pos() {
-                *selected = add(transfer, part(pos), None);
-            }
-        }
-        None => {}
-    }
+    });
 }
 
-/// An area to draw on; handles come above it.
+/// An area to draw on, below its handles.
 fn field_of(ui: &mut Ui, height: f32, name: &str) -> (Response, Rect) {
     let size = Vec2::new(ui.available_width(), height + 2.0 * RADIUS);
     let (outer, response) = ui.allocate_exact_size(size, Sense::click());
     let rect = outer.shrink(RADIUS);
     ui.painter().rect_filled(rect, 2.0, ui.visuals().extreme_bg_color);
-    (named(ui, &response, name).on_hover_text("Double click to add a stop, or on one to take it away."), rect)
+    (named(ui, &response, name).on_hover_text("Double click to add a stop, or on a stop to remove it."), rect)
 }
 
 fn handle(ui: &Ui, center: Pos2, size: Vec2, name: &str) -> Response {
@@ -222,7 +217,7 @@ fn ring(ui: &Ui, strong: bool) -> Stroke {
     if strong { Stroke::new(2.0, visuals.selection.stroke.color) } else { Stroke::new(1.0, visuals.text_color()) }
 }
 
-/// Between which positions a stop may move, so that the order stays.
+/// Range in which a stop can move without a change of the order.
 fn neighbors(transfer: &Transfer, index: usize) -> [f32; 2] {
     let at = |index: Option<usize>| index.and_then(|index| transfer.stops.get(index)).map(|stop| stop.at);
     [at(index.checked_sub(1)).unwrap_or(0.0), at(Some(index + 1)).unwrap_or(1.0)]
@@ -236,7 +231,7 @@ fn put(transfer: &mut Transfer, index: usize, at: f32, density: Option<f32>) {
     }
 }
 
-/// Adds a stop with what the map has there, or with a density of its own; gives its place among the stops.
+/// Adds a stop with the interpolated values, or with a given density; returns its index.
 fn add(transfer: &mut Transfer, at: f32, density: Option<f32>) -> usize {
     let index = transfer.stops.iter().take_while(|stop| stop.at <= at).count();
     if transfer.stops.len() >= MAX_STOPS {
@@ -250,7 +245,7 @@ fn add(transfer: &mut Transfer, at: f32, density: Option<f32>) -> usize {
     index
 }
 
-/// Takes a stop away, unless it is the only one; selects the one before it.
+/// Removes a stop unless it is the only one, and selects the previous one.
 fn remove(transfer: &mut Transfer, selected: &mut usize) {
     if transfer.stops.len() > 1 && *selected < transfer.stops.len() {
         transfer.stops.remove(*selected);

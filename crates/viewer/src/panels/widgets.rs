@@ -1,53 +1,52 @@
-//! Rows of a panel: a label with the line about the field, and a control whose accessible name is the field's in a scene
-//! file.
+//! Rows of a panel: a label with a tooltip, and a control whose accessible name is that of the field in a scene file.
 
 use egui::{Align, Color32, ComboBox, DragValue, Layout, Response, Slider, SliderClamping, TextEdit, Ui, vec2};
 use hypertexture::scene::Color;
 use std::ops::RangeInclusive;
 
-/// Width of the labels at most, points.
+/// Maximal width of a label, points.
 const LABEL: f32 = 122.0;
-/// What a row has beside its label and its slider: a number, a button, and what is between them, points.
+/// Width of a row besides its label and slider: a number, a button and gaps, points.
 const BESIDE: f32 = 112.0;
-/// In less room than this, points, a label is above its control.
+/// Width below which a label is above its control, points.
 const NARROW: f32 = 260.0;
-/// A small button at the end of a row, with the room before it, points.
+/// Width of a small button at the end of a row with its gap, points.
 const RESET: f32 = 28.0;
-/// What is beside a slider whose label is above it, points.
+/// Width beside a slider whose label is above it, points.
 const BELOW: f32 = 136.0;
-/// Words of sentences about fields that say the unit, and how it is written behind the number.
+/// Unit words in descriptions, and their suffixes.
 const UNITS: [(&str, &str); 5] =
     [("degrees", "\u{b0}"), ("seconds", " s"), ("pixels", " px"), ("texels", " tx"), ("object units", " u")];
-/// Decimal places that a slider shows at most.
+/// Maximal number of decimals of a slider.
 const DECIMALS: usize = 5;
 
-/// A field of a scene: its name in a scene file, and one sentence about it.
+/// A field of a scene and its description.
 #[derive(Clone, Debug)]
 pub struct Field<'a> {
-    /// Name with its tables.
+    /// Name in a scene file.
     pub name: String,
-    /// What it is called on the panel; without one, by the last part of its name.
+    /// Label; without one, the last part of the name.
     pub text: Option<&'a str>,
-    /// What it does, with its unit.
+    /// Description with the unit.
     pub doc: &'a str,
 }
 
-/// The field of that name.
+/// A field with the default label.
 pub fn field(name: impl Into<String>, doc: &str) -> Field<'_> {
     Field { name: name.into(), text: None, doc }
 }
 
-/// What was changed in this frame: the name of the last field.
+/// Name of the field that was last changed in this frame.
 pub type Touch = Option<String>;
 
-/// Gives a control its accessible name. One that gets the keys comes into view.
+/// Sets the accessible name of a control, and scrolls to it when it gets the focus.
 pub fn named(ui: &Ui, response: &Response, name: &str) -> Response {
     ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(name));
     come_into_view(ui, response);
     response.clone()
 }
 
-/// Scrolls to a control that gets the keys by the keyboard; a text that is taller than its place scrolls by itself.
+/// Scrolls to a control that gets the focus by the keyboard, unless it is taller than half of the view.
 pub fn come_into_view(ui: &Ui, response: &Response) {
     let fits = response.rect.height() < 0.5 * ui.clip_rect().height().max(100.0);
     if fits && response.gained_focus() && !ui.input(|input| input.pointer.any_down()) {
@@ -55,8 +54,8 @@ pub fn come_into_view(ui: &Ui, response: &Response) {
     }
 }
 
-/// How the unit of a number is written behind it: the sentence about the field says it, behind a comma or as `Degrees
-/// about`. What is per unit, or several things, has none.
+/// The suffix of a number, from the unit in its description: after a comma, or at the beginning as in `Degrees
+/// about`. Rates have none.
 pub fn unit(doc: &str) -> &'static str {
     let sentence = doc.to_lowercase();
     let said = |word: &&(&str, &str)| {
@@ -69,13 +68,13 @@ pub fn unit(doc: &str) -> &'static str {
     UNITS.iter().find(said).map_or("", |(_, unit)| unit)
 }
 
-/// Fits labels and sliders into the width that there is.
+/// Fits labels and sliders to the available width.
 pub fn fit(ui: &mut Ui) {
     let beside = if is_narrow(ui) { BELOW } else { label_width(ui) + BESIDE };
     ui.spacing_mut().slider_width = (ui.available_width() - beside).clamp(24.0, 118.0);
 }
 
-/// Whether there is little room for a row.
+/// Whether a row is too narrow for a label beside its control.
 pub fn is_narrow(ui: &Ui) -> bool {
     ui.available_width() < NARROW
 }
@@ -84,13 +83,13 @@ fn label_width(ui: &Ui) -> f32 {
     (0.36 * ui.available_width()).clamp(64.0, LABEL)
 }
 
-/// A button with an accessible name and a line about it.
+/// A button with an accessible name and a tooltip.
 pub fn button(ui: &mut Ui, text: &str, name: &str, doc: &str) -> Response {
     let response = ui.button(text).on_hover_text(doc);
     named(ui, &response, name)
 }
 
-/// A label, and what belongs to it at its right, or below where there is little room.
+/// A label with content at its right, or below it in a narrow panel.
 pub fn line<R>(ui: &mut Ui, field: &Field<'_>, add: impl FnOnce(&mut Ui) -> R) -> R {
     let last = field.name.rsplit('.').next().unwrap_or_default();
     let text = field.text.map_or_else(|| last.replace('_', " "), String::from);
@@ -118,7 +117,7 @@ pub fn line<R>(ui: &mut Ui, field: &Field<'_>, add: impl FnOnce(&mut Ui) -> R) -
     .inner
 }
 
-/// A label, and a control to its right that bears the name of the field.
+/// A label with a control that has the name of the field.
 pub fn row(ui: &mut Ui, field: &Field<'_>, add: impl FnOnce(&mut Ui) -> Response) -> Response {
     line(ui, field, |ui| {
         let response = add(ui);
@@ -130,12 +129,12 @@ fn tip(field: &Field<'_>) -> String {
     format!("{}\n{}", field.doc, field.name)
 }
 
-/// Whether a range is shown by its magnitudes: it spans many, from above 0.
+/// Whether a range has a logarithmic slider: positive, over more than two decades.
 fn is_logarithmic(low: f64, high: f64) -> bool {
     low > 0.0 && high / low > 200.0
 }
 
-/// A number in a range. What the slider cannot reach can be typed; the checks of the scene decide.
+/// A number with a slider. Values outside of the range can be typed; the checks of the scene decide.
 pub fn number<N: egui::emath::Numeric>(
     ui: &mut Ui,
     touch: &mut Touch,
@@ -152,7 +151,7 @@ pub fn number<N: egui::emath::Numeric>(
     }
 }
 
-/// A number of any size, changed in proportion to itself.
+/// A number without a range, dragged in proportion to its value.
 pub fn unbounded(ui: &mut Ui, touch: &mut Touch, field: &Field<'_>, value: &mut f32) {
     let speed = 0.01 * f64::from(value.abs()).max(0.1);
     if row(ui, field, |ui| ui.add(DragValue::new(value).speed(speed).max_decimals(DECIMALS).suffix(unit(field.doc))))
@@ -162,7 +161,7 @@ pub fn unbounded(ui: &mut Ui, touch: &mut Touch, field: &Field<'_>, value: &mut 
     }
 }
 
-/// Numbers beside each other: `name.x`, `name.y`, ...
+/// Several numbers: `name.x`, `name.y`, ...
 pub fn numbers(ui: &mut Ui, touch: &mut Touch, field: &Field<'_>, values: &mut [f32], speed: f64) {
     const AXES: [&str; 4] = ["x", "y", "z", "w"];
     line(ui, field, |ui| {
@@ -177,14 +176,14 @@ pub fn numbers(ui: &mut Ui, touch: &mut Touch, field: &Field<'_>, values: &mut [
     });
 }
 
-/// On or off.
+/// A checkbox.
 pub fn switch(ui: &mut Ui, touch: &mut Touch, field: &Field<'_>, value: &mut bool) {
     if row(ui, field, |ui| ui.checkbox(value, "")).changed() {
         *touch = Some(field.name.clone());
     }
 }
 
-/// One of a few names, each with a line about it.
+/// A list of options with tooltips.
 pub fn choice<T: Clone + PartialEq>(
     ui: &mut Ui,
     touch: &mut Touch,
@@ -209,7 +208,7 @@ pub fn choice<T: Clone + PartialEq>(
     }
 }
 
-/// A color: a button that opens a picker, and its code.
+/// A color picker and a field for the hexadecimal code.
 pub fn color(ui: &mut Ui, touch: &mut Touch, field: &Field<'_>, value: &mut Color) {
     row(ui, field, |ui| {
         let picker = ui.color_edit_button_srgb(&mut value.0);
@@ -225,7 +224,7 @@ pub fn color(ui: &mut Ui, touch: &mut Touch, field: &Field<'_>, value: &mut Colo
     });
 }
 
-/// A line of text, taken when it is done.
+/// A text field.
 pub fn text(ui: &mut Ui, touch: &mut Touch, field: &Field<'_>, value: &mut String) {
     let done = line(ui, field, |ui| field_of_text(ui, &field.name, value, ui.available_width().clamp(60.0, 176.0)));
     if let Some(text) = done.filter(|text| text != value) {
@@ -234,7 +233,7 @@ pub fn text(ui: &mut Ui, touch: &mut Touch, field: &Field<'_>, value: &mut Strin
     }
 }
 
-/// A line of text that is given back when Enter ends it or another control takes the keys; Escape gives it up.
+/// A text field that returns its text when Enter or a change of the focus ends it; Escape restores the old text.
 fn field_of_text(ui: &mut Ui, name: &str, value: &str, width: f32) -> Option<String> {
     let id = ui.make_persistent_id(name);
     let held: Option<String> = ui.data(|data| data.get_temp(id));
@@ -252,7 +251,7 @@ fn field_of_text(ui: &mut Ui, name: &str, value: &str, width: f32) -> Option<Str
     None
 }
 
-/// A color of the scene as the panels paint it.
+/// A color of the scene as an egui color.
 pub fn painted(color: Color) -> Color32 {
     let [r, g, b] = color.0;
     Color32::from_rgb(r, g, b)

@@ -1,9 +1,8 @@
 //! A renderer that compiles programs and bakes images on another thread, where they do not block previews.
 
-use crate::background::{Background, Notify};
+use crate::background::{Background, silent};
 use hypertexture::render::{RenderError, Renderer};
 use hypertexture::scene::Scene;
-use std::sync::Arc;
 use std::task::Poll;
 use std::thread;
 use std::time::Duration;
@@ -56,8 +55,7 @@ impl BackgroundRenderer {
 
     fn start(&mut self, work: impl FnOnce(&mut Renderer) -> Result<f64, RenderError> + Send + 'static) {
         if let Some(mut renderer) = self.idle.take() {
-            let silent: Notify = Arc::new(|| ());
-            self.busy = Some(Background::start(&silent, move |task| {
+            self.busy = Some(Background::start(&silent(), move |task| {
                 let done = work(&mut renderer);
                 task.send((renderer, done));
             }));

@@ -10,7 +10,7 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, mpsc};
 use std::thread::{self, JoinHandle};
 
-/// The thread, which ends with this.
+/// The handle; dropping it ends the thread.
 pub(crate) struct Worker {
     shared: Arc<Shared>,
     pub(crate) events: mpsc::Receiver<Event>,
@@ -18,35 +18,35 @@ pub(crate) struct Worker {
 }
 
 impl Worker {
-    /// Starts the thread. `notify` is called from it when there is an event.
+    /// Starts the thread, which calls `notify` after each event.
     pub(crate) fn start(gpu: Gpu, gate: Arc<Gate>, budget_ms: f64, notify: Notify) -> Worker {
         let shared = Arc::new(Shared::default());
         let (sender, events) = mpsc::channel();
         let own = shared.clone();
         let thread = thread::spawn(move || {
-            let tell = move |event| {
-                // Nobody listens any more when the window is closed.
+            let send = move |event| {
+                // The window may be closed.
                 let _ = sender.send(event);
                 notify();
             };
-            RenderThread::new(gpu, gate, own, budget_ms, Box::new(tell)).run();
+            RenderThread::new(gpu, gate, own, budget_ms, Box::new(send)).run();
         });
         Worker { shared, events, thread: Some(thread) }
     }
 
-    /// Puts a job in place of the one before.
+    /// Replaces the current job.
     pub(crate) fn show(&self, job: Job) {
         self.shared.newest.store(job.number, Ordering::Relaxed);
         self.shared.inbox().job = Some(job);
         self.shared.wake.notify_one();
     }
 
-    /// The window was drawn with the picture of a job.
+    /// Notes that the window shows the picture of a job.
     pub(crate) fn shown(&self, number: u64) {
         self.shared.shown.store(number, Ordering::Relaxed);
     }
 
-    /// Does a task as soon as the picture in work is interrupted.
+    /// Queues a task, which interrupts the current picture.
     pub(crate) fn add(&self, task: Task) {
         self.shared.stop.store(false, Ordering::Relaxed);
         self.shared.newest.store(u64::MAX, Ordering::Relaxed);
@@ -54,12 +54,12 @@ impl Worker {
         self.shared.wake.notify_one();
     }
 
-    /// Whether the thread has ended by itself: with the device, or by a fault of its own.
+    /// Whether the thread has ended: the device is lost, or it has panicked.
     pub(crate) fn has_ended(&self) -> bool {
         self.thread.as_ref().is_none_or(JoinHandle::is_finished)
     }
 
-    /// Ends a recording or a search.
+    /// Stops a turntable or a search.
     pub(crate) fn stop(&self) {
         self.shared.stop.store(true, Ordering::Relaxed);
     }

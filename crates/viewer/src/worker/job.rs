@@ -18,83 +18,83 @@ pub(crate) struct Variant {
 }
 
 impl Variant {
-    /// Whether another one has the same modules and object.
+    /// Whether another variant has the same modules and object.
     pub(crate) fn has_same_program(&self, other: &Variant) -> bool {
         Arc::ptr_eq(&self.library, &other.library) && Arc::ptr_eq(&self.subject, &other.subject)
     }
 }
 
-/// What is to be on the screen.
+/// A job: the pictures for the screen.
 #[derive(Clone)]
 pub(crate) struct Job {
-    /// Larger than that of the job before.
+    /// Ascending number.
     pub(crate) number: u64,
-    /// One, or two to be compared; their pictures have the same size.
+    /// One variant, or two of equal size to compare.
     pub(crate) variants: Vec<Variant>,
-    /// Whether the next one is expected soon.
+    /// Whether another job is expected soon.
     pub(crate) moving: bool,
-    /// The error that is good enough.
+    /// Error target.
     pub(crate) max_error: f64,
-    /// Where one looks, in parts of the width and height of a picture: what is there gets finer first.
+    /// Focus of the refinement, in fractions of the picture.
     pub(crate) focus: [f32; 2],
-    /// Whether the pixels that are not to be trusted are shown, once the picture is finished; of one variant.
+    /// Whether to compute the validity of the finished picture; with one variant only.
     pub(crate) validity: bool,
 }
 
-/// What is done between two jobs.
+/// A task, which runs between jobs.
 pub(crate) enum Task {
     /// Writes the picture of a scene, or the `frames` of a turntable. `edited` are modules whose text is in no file.
     Write { variant: Box<Variant>, path: PathBuf, frames: Option<u32>, edited: Vec<String> },
-    /// Looks for the fastest settings within an error.
+    /// Searches for the fastest settings within an error.
     Pick { variant: Box<Variant>, bound: ErrorBound },
 }
 
-/// A picture, ready to be shown, and what is known about it.
+/// A picture and its measurements.
 #[derive(Default)]
 pub(crate) struct Picture {
-    /// That of its job.
+    /// Number of its job.
     pub(crate) number: u64,
-    /// One for each variant.
+    /// Encoded images, one for each variant.
     pub(crate) images: Vec<ColorImage>,
-    /// What they are of: premultiplied linear RGBA; none where pixels are colored by what they are worth.
+    /// Premultiplied linear RGBA of the images; empty for validity colors.
     pub(crate) frames: Vec<Arc<[[f32; 4]]>>,
-    /// Root mean square difference of two variants, where both are as finely sampled.
+    /// Root mean square difference of two equally sampled variants.
     pub(crate) difference: Option<f64>,
     pub(crate) size: [u32; 2],
     pub(crate) samples: u32,
-    /// Where it is looked at from.
+    /// View of the picture.
     pub(crate) sight: Option<ViewPose>,
     pub(crate) stage: Stage,
-    /// Milliseconds on the device, of all variants.
+    /// Time of all variants on the device, milliseconds.
     pub(crate) gpu_ms: f64,
     pub(crate) error: Option<f64>,
     pub(crate) standard_error: Option<f64>,
-    /// What the colors of pixels that are not to be trusted mean.
+    /// Shows the legend of the validity colors.
     pub(crate) validity: Vec<([u8; 3], String)>,
 }
 
-/// What the thread tells.
+/// An event of the render thread.
 pub(crate) enum Event {
-    /// There is a picture.
+    /// A picture is available.
     Picture(Box<Picture>),
-    /// What the picture of a job was made with: what each line is about, and what there is.
+    /// Facts about the rendering: pairs of a name and a value.
     Made(Vec<[String; 2]>),
-    /// What was set and changes nothing in the picture.
+    /// Fields without an effect on the picture.
     Ignored(Vec<String>),
     /// A file was written.
     Wrote(PathBuf),
-    /// So much of the search for a way to draw is done.
+    /// Progress of a search.
     Picking(f32),
-    /// A way to draw was found, or the search was given up.
+    /// Result of a search; `None` if it was stopped.
     Picked(Option<Box<Pick>>),
-    /// So many frames of a recording are written.
+    /// Finished frames and all frames of a turntable.
     Recorded(u32, u32),
-    /// A recording was ended by hand; one line.
+    /// A turntable was stopped.
     Stopped(String),
-    /// A program may not be drawn; one line.
+    /// A program was refused.
     Refused(String),
-    /// Something could not be done; one line.
+    /// A task or a job has failed.
     Failed(String),
-    /// The device is gone, and the thread with it.
+    /// The device is lost, and the thread ends.
     Lost,
 }

@@ -1,11 +1,12 @@
-//! What becomes of a scene that stands still: its own picture, tile by tile, then means of more and more.
+//! Refinement of a resting scene: its own picture tile by tile, then means of sub-frames.
 
 use super::background_renderer::BackgroundRenderer;
 use super::job::{Event, Job, Picture, Variant};
 use super::render_thread::{Accumulation, RenderThread};
 use super::renderers::{VariantRenderers, with_other_pass};
 use crate::background::{cancel_if, catch_cancellation};
-use crate::progressive::{FEWEST, MOST, Mean, number, reference, resampled, tiles};
+use crate::mean::{Mean, resampled};
+use crate::progressive::{FEWEST, MOST, number, reference, tiles};
 use crate::status::Stage;
 use hypertexture::gpu::Area;
 use hypertexture::render::{Measurements, RenderError, Renderer, describe_frame, paste_areas, unused_overrides};
@@ -14,58 +15,60 @@ use hypertexture::shader::shipped;
 use measure::statistics::rms_difference;
 use std::time::{Duration, Instant};
 
-/// A picture in the making is shown this often.
+/// Interval between updates of an unfinished picture.
 const SHOW_EVERY: Duration = Duration::from_millis(150);
-/// Tiles that are drawn together should take about this many milliseconds. Shorter: what each costs by itself shows. Longer:
-/// a picture in the making is shown less often. The hand interrupts them between two submissions.
+/// Target time of a batch of tiles, milliseconds. Lower: overhead of submissions. Higher: fewer updates. Input
+/// interrupts between submissions.
 const TILES_MS: f64 = 100.0;
-/// Tiles that are drawn first, and how many times as many follow at most.
+/// Tiles in the first batch, and largest growth of a batch.
 const FIRST_TILES: usize = 4;
 const MORE_TILES: f64 = 2.0;
-/// A program is used for the first time once the scene has rested for so long: while it is compiled, some devices draw
-/// nothing, not even the window.
+/// Rest of the scene before a new program is compiled: meanwhile some devices draw nothing, not even the window.
 const CALM: Duration = Duration::from_millis(400);
-/// What the scene's own picture lacks is made once it has rested for so long: the hand that opened it may go on to turn it.
+/// Rest of the scene before its own picture is prepared: input may follow.
 const SHORT: Duration = Duration::from_millis(150);
-/// While there is nothing to do, whether something else is to be done is asked this often.
+/// Interval between checks for new work.
 const LOOK: Duration = Duration::from_millis(5);
-/// Previews by which a pass is timed, behind the one that compiles it.
+/// Number of timed previews of a pass, after the one that compiles.
 const TRIALS: usize = 3;
-/// The other pass draws previews where it takes less than this part of the time: as much as times are apart.
+/// Largest fraction of the time at which the other pass draws previews. Higher: within the noise of the times.
 const FASTER: f64 = 0.8;
 
-/// A picture that was drawn in tiles.
+/// A picture drawn in tiles.
 pub(super) struct Drawn {
-    /// Milliseconds on the device.
+    /// Time on the device, milliseconds.
     pub(super) ms: f64,
-    /// Those of the last tiles.
+    /// Measurements of the last tiles.
     pub(super) measurements: Option<Measurements>,
 }
 
 impl RenderThread {
-    /// The scene's own picture, then means of more and more, until they are good enough or something else is to be done.
+    /// Refines the picture until it is good enough or the job is stale.
     pub(super) fn refine(
         &mut self,
         job: &Job,
         renderers: &mut [VariantRenderers],
-        still: &mut Accumulation,
+        accumulation: &mut Accumulation,
     ) -> Result<(), RenderError> {
-        let finished = match self.refined(job, renderers, still) {
+        let finished = match self.refined(job, renderers, accumulation) {
             Err(RenderError::Stopped) => return Ok(()),
             other => other?,
         };
         if !finished {
             return Ok(());
         }
-        self.tell_mean(job, still, true);
-        if !std::mem::replace(&mut still.told, true) {
-            self.tell_ignored(job);
+        self.send_mean(job, accumulation, true);
+        if !std::mem::replace(&mut accumulation.reported, true) {
+            self.send_ignored(job);
         }
-        if let (Some([own]), true) = (still.own.as_deref(), job.validity) {
-            if still.validity.is_none() {
-                still.validity = self.examine(job, own)?;
+        if let (Some([own]), true) = (accumulation.own.as_deref(), job.validity) {
+            if accumulation.validity.is_none() {
+                accumulation.validity = self.examine(job, own)?;
             }
-            still.validity.iter().for_each(|validity| self.tell_validity(job, validity, own, still.gpu_ms));
+            accumulation
+                .validity
+                .iter()
+                .for_each(|validity| self.send_validity(job, validity, own, accumulation.gpu_ms));
         }
         renderers
             .iter_mut()
@@ -73,23 +76,23 @@ impl RenderThread {
             .try_for_each(|(renderers_of, variant)| self.time_passes(job, variant, renderers_of))
     }
 
-    /// Whether the picture has got as good as was asked for, or as it can.
+    /// Whether the picture has reached its error target or the limit of sub-frames.
     fn refined(
         &mut self,
         job: &Job,
         renderers: &mut [VariantRenderers],
-        still: &mut Accumulation,
+        accumulation: &mut Accumulation,
     ) -> Result<bool, RenderError> {
-        if still.own.is_none() && !self.own_pictures(job, renderers, still)? {
+        if accumulation.own.is_none() && !self.own_pictures(job, renderers, accumulation)? {
             return Ok(false);
         }
         let mut shown = Instant::now();
         let shared = self.shared.clone();
         let (size, job_number) = (job.variants[0].scene.image.size, job.number);
-        while still.means[0].count < MOST && !is_converged(still, job) {
+        while accumulation.means[0].count < MOST && !is_converged(accumulation, job) {
             let mut pictures = Vec::new();
-            let sub_frame = number(still.means[0].count);
-            still.gpu_ms = 0.0;
+            let sub_frame = number(accumulation.means[0].count);
+            accumulation.gpu_ms = 0.0;
             for (variant, renderers_of) in job.variants.iter().zip(&mut *renderers) {
                 let scene = reference(&variant.scene);
                 let stale = || shared.is_stale(job_number);
@@ -100,18 +103,18 @@ impl RenderThread {
                 let shared = shared.clone();
                 renderer.stop_where(move |_| shared.is_stale(job_number));
                 let frame = renderer.render_areas(&scene, &[Area::whole(size)], Some(sub_frame))?;
-                still.gpu_ms += frame.measurements.device_ms();
+                accumulation.gpu_ms += frame.measurements.device_ms();
                 pictures.push(frame.pixels);
             }
-            for (mean, pixels) in still.means.iter_mut().zip(&pictures) {
+            for (mean, pixels) in accumulation.means.iter_mut().zip(&pictures) {
                 mean.add(pixels);
             }
-            if still.means[0].count == 2 * FEWEST {
-                self.judge(still);
+            if accumulation.means[0].count == 2 * FEWEST {
+                self.judge(accumulation);
             }
-            let done = still.means[0].count == MOST || is_converged(still, job);
-            if !done && still.means[0].count >= FEWEST && shown.elapsed() >= SHOW_EVERY {
-                self.tell_mean(job, still, false);
+            let done = accumulation.means[0].count == MOST || is_converged(accumulation, job);
+            if !done && accumulation.means[0].count >= FEWEST && shown.elapsed() >= SHOW_EVERY {
+                self.send_mean(job, accumulation, false);
                 shown = Instant::now();
             }
             if self.shared.is_stale(job.number) {
@@ -121,7 +124,7 @@ impl RenderThread {
         Ok(true)
     }
 
-    /// Waits for a while; whether nothing else is to be done then.
+    /// Waits; returns whether the job is accumulation current.
     fn rests(&self, job: &Job, calm: Duration) -> bool {
         let until = Instant::now() + calm;
         while !self.shared.is_stale(job.number) && Instant::now() < until {
@@ -130,29 +133,29 @@ impl RenderThread {
         !self.shared.is_stale(job.number)
     }
 
-    /// Says what changes nothing in a picture that is finished: it takes a part of a second.
-    fn tell_ignored(&self, job: &Job) {
+    /// Reports fields without an effect, which takes a fraction of a second.
+    fn send_ignored(&self, job: &Job) {
         let Variant { scene, library, subject } = &job.variants[0];
-        // A custom module is compiled in a process of its own, and never for this.
+        // Compiling a custom module takes a child process, which this is not worth.
         if scene.modules.is_empty() && **library == shipped() && !self.shared.is_stale(job.number) {
-            (self.tell)(Event::Ignored(unused_overrides(library, subject, &nearest_preset(scene), scene)));
+            (self.send)(Event::Ignored(unused_overrides(library, subject, &nearest_preset(scene), scene)));
         }
     }
 
-    /// The scene's own picture of each variant; whether they were finished.
+    /// Draws the scene's own picture of each variant; returns whether they are finished.
     fn own_pictures(
         &self,
         job: &Job,
         renderers: &mut [VariantRenderers],
-        still: &mut Accumulation,
+        accumulation: &mut Accumulation,
     ) -> Result<bool, RenderError> {
         let size = job.variants[0].scene.image.size;
-        let enlarged = |pixels: &Vec<[f32; 4]>| resampled(pixels, still.size, size, |at| at, [0.0; 4]);
-        let mut all = still.partial.take().unwrap_or_else(|| still.coarse.iter().map(enlarged).collect());
+        let enlarged = |pixels: &Vec<[f32; 4]>| resampled(pixels, accumulation.size, size, |at| at, [0.0; 4]);
+        let mut all = accumulation.partial.take().unwrap_or_else(|| accumulation.coarse.iter().map(enlarged).collect());
         let (mut gpu_ms, mut shown) = (0.0, Instant::now());
         for (index, variant) in job.variants.iter().enumerate() {
             if !renderers[index].own.is_ready(&variant.scene) && !self.rests(job, SHORT) {
-                still.partial = Some(all);
+                accumulation.partial = Some(all);
                 return Ok(false);
             }
             let mut pixels = std::mem::take(&mut all[index]);
@@ -162,18 +165,23 @@ impl RenderThread {
                     shown = Instant::now();
                     let of = |other: usize| if other == index { pixels } else { others[other].as_slice() };
                     let frames: Vec<&[[f32; 4]]> = (0..others.len()).map(of).collect();
-                    self.tell_picture(job, still, &frames, Picture::of(job, Stage::Partial, still.gpu_ms));
+                    self.send_picture(
+                        job,
+                        accumulation,
+                        &frames,
+                        Picture::of(job, Stage::Partial, accumulation.gpu_ms),
+                    );
                 }
             };
             let drawn = self.in_tiles(job, &variant.scene, &mut renderers[index].own, &mut pixels, &mut show)?;
             all[index] = pixels;
             let Some(drawn) = drawn else {
-                still.partial = Some(all);
+                accumulation.partial = Some(all);
                 return Ok(false);
             };
             gpu_ms += drawn.ms;
             if let (0, Some(measurements)) = (index, &drawn.measurements) {
-                (self.tell)(Event::Made(describe_frame(
+                (self.send)(Event::Made(describe_frame(
                     measurements,
                     &variant.scene,
                     &variant.subject,
@@ -181,15 +189,15 @@ impl RenderThread {
                 )?));
             }
         }
-        still.gpu_ms = gpu_ms;
+        accumulation.gpu_ms = gpu_ms;
         let frames: Vec<&[[f32; 4]]> = all.iter().map(Vec::as_slice).collect();
         let picture = Picture { error: self.own_error, ..Picture::of(job, Stage::Scene, gpu_ms) };
-        self.tell_picture(job, still, &frames, picture);
-        still.own = Some(all);
+        self.send_picture(job, accumulation, &frames, picture);
+        accumulation.own = Some(all);
         Ok(true)
     }
 
-    /// A picture, tile by tile into `pixels`, from where one looks; `None` where something else is to be done.
+    /// Draws a picture tile by tile into `pixels`, from the focus outwards; `None` if the job is stale.
     pub(super) fn in_tiles(
         &self,
         job: &Job,
@@ -200,7 +208,7 @@ impl RenderThread {
     ) -> Result<Option<Drawn>, RenderError> {
         let (number, [width, height]) = (job.number, scene.image.size);
         let stale = || self.shared.is_stale(number);
-        // The blocks of noise may take seconds.
+        // Baking noise may take seconds.
         match catch_cancellation(|| renderer.prepare(scene, &|_| cancel_if(stale()))) {
             None => return Ok(None),
             Some(done) => done?,
@@ -208,8 +216,8 @@ impl RenderThread {
         let shared = self.shared.clone();
         renderer.stop_where(move |_| shared.is_stale(number));
         pixels.resize(width as usize * height as usize, [0.0; 4]);
-        // Where pixels have several samples, areas that are drawn together must not touch; light that goes from slice to slice
-        // is made anew for each area.
+        // With multisampling, areas of one batch must not touch. Half-angle slicing propagates light anew for each
+        // area.
         let (all, at_once) = match scene.quality.msaa {
             _ if scene.is_half_angle() => (vec![Area::whole(scene.image.size)], 1),
             1 => (tiles(scene.image.size, job.focus), usize::MAX),
@@ -235,7 +243,7 @@ impl RenderThread {
         Ok(Some(drawn))
     }
 
-    /// Times previews by both passes, once for a variant whose picture is finished, and remembers which is faster.
+    /// Times previews of both passes, once for a finished picture, and stores the faster one.
     fn time_passes(
         &self,
         job: &Job,
@@ -265,7 +273,7 @@ impl RenderThread {
             match renderers_of.trial.get_or_insert_with(renderer).run(&stale, work) {
                 Ok(Some(ms)) if ms > 0.0 => *time = ms,
                 Ok(_) | Err(RenderError::Stopped) => return Ok(()),
-                // The scene's own pass draws it.
+                // The scene's own pass stays.
                 Err(error) => {
                     log::debug!("previews by the other pass: {error}");
                     (renderers_of.faster, renderers_of.trial) = (Some([own; 2]), None);
@@ -280,37 +288,42 @@ impl RenderThread {
         Ok(())
     }
 
-    /// Holds the preview and the scene's own picture against the mean.
-    fn judge(&mut self, still: &mut Accumulation) {
-        let all = still.means.iter().zip(&still.coarse).zip(still.own.iter().flatten()).zip(&still.scenes);
+    /// Measures the errors of the preview and of the scene's own picture against the mean.
+    fn judge(&mut self, accumulation: &mut Accumulation) {
+        let all = accumulation
+            .means
+            .iter()
+            .zip(&accumulation.coarse)
+            .zip(accumulation.own.iter().flatten())
+            .zip(&accumulation.scenes);
         let mut worst = [0.0f64; 2];
         for (((mean, coarse), own), scene) in all {
             let mean = mean.pixels();
-            let coarse = resampled(coarse, still.size, scene.image.size, |at| at, [0.0; 4]);
+            let coarse = resampled(coarse, accumulation.size, scene.image.size, |at| at, [0.0; 4]);
             worst[0] = worst[0].max(rms_difference(&coarse, &mean));
             worst[1] = worst[1].max(rms_difference(own, &mean));
         }
-        self.coarse_error = still.level.map(|level| (worst[0], level)).or(self.coarse_error);
+        self.coarse_error = accumulation.level.map(|level| (worst[0], level)).or(self.coarse_error);
         self.own_error = Some(worst[1]);
     }
 
-    fn tell_mean(&self, job: &Job, still: &Accumulation, done: bool) {
-        let count = still.means[0].count;
-        let means: Vec<_> = still.means.iter().map(Mean::pixels).collect();
+    fn send_mean(&self, job: &Job, accumulation: &Accumulation, done: bool) {
+        let count = accumulation.means[0].count;
+        let means: Vec<_> = accumulation.means.iter().map(Mean::pixels).collect();
         let frames: Vec<&[[f32; 4]]> = means.iter().map(Vec::as_slice).collect();
         let stage = if done { Stage::Converged(count) } else { Stage::Refined(count) };
-        let worst = |of: fn(&Mean) -> Option<f64>| still.means.iter().filter_map(of).reduce(f64::max);
+        let worst = |of: fn(&Mean) -> Option<f64>| accumulation.means.iter().filter_map(of).reduce(f64::max);
         let (error, standard_error) = (worst(Mean::error), worst(Mean::standard_error));
-        self.tell_picture(
+        self.send_picture(
             job,
-            still,
+            accumulation,
             &frames,
-            Picture { error, standard_error, ..Picture::of(job, stage, still.gpu_ms) },
+            Picture { error, standard_error, ..Picture::of(job, stage, accumulation.gpu_ms) },
         );
     }
 }
 
-/// Bands of a picture, from the top, of whole quads.
+/// Bands of a picture from the top, of even height.
 fn bands([width, height]: [u32; 2]) -> Vec<Area> {
     let rows = height.div_ceil(16).max(1).next_multiple_of(2);
     (0..height.div_ceil(rows))
@@ -318,8 +331,8 @@ fn bands([width, height]: [u32; 2]) -> Vec<Area> {
         .collect()
 }
 
-/// Whether the means are good enough. Two doublings are the least that says something.
-fn is_converged(still: &Accumulation, job: &Job) -> bool {
+/// Whether the means are within the error target, after at least two doublings.
+fn is_converged(accumulation: &Accumulation, job: &Job) -> bool {
     let good = |mean: &Mean| mean.count >= 2 * FEWEST && mean.error().is_some_and(|error| error <= job.max_error);
-    still.means.iter().all(good)
+    accumulation.means.iter().all(good)
 }

@@ -1,10 +1,11 @@
-//! Where pictures are made: previews while the scene moves, ever better pictures while it stands still.
+//! The loop of the render thread.
 
 use super::job::{Event, Job, Picture};
 use super::renderers::{VariantRenderers, sight};
 use super::shared::Shared;
 use crate::author::Gate;
-use crate::progressive::{Budget, FEWEST, Level, Mean, resampled};
+use crate::mean::{Mean, resampled};
+use crate::progressive::{Budget, FEWEST, Level};
 use crate::screen::encode_srgb;
 use crate::status::Stage;
 use hypertexture::gpu::Gpu;
@@ -17,39 +18,39 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 
-/// Tells the window something.
-type Tell = Box<dyn Fn(Event) + Send + Sync>;
+/// Sends an event to the window.
+type SendEvent = Box<dyn Fn(Event) + Send + Sync>;
 
-/// Where pictures are made.
+/// The render thread.
 pub(super) struct RenderThread {
     pub(super) gpu: Gpu,
     gate: Arc<Gate>,
     pub(super) shared: Arc<Shared>,
-    pub(super) tell: Tell,
+    pub(super) send: SendEvent,
     pub(super) budget: Budget,
-    /// Error of the last preview that a mean could be held against, and its level.
+    /// Measured error of the last preview, and its level.
     pub(super) coarse_error: Option<(f64, Level)>,
-    /// Error of the scene's own picture, then.
+    /// Measured error of the scene's own picture.
     pub(super) own_error: Option<f64>,
 }
 
-/// What is kept of a scene that stands still.
+/// Accumulated pictures of a resting scene.
 pub(super) struct Accumulation {
     pub(super) scenes: Vec<Scene>,
     pub(super) sights: Vec<ViewPose>,
-    /// What was shown first, and the level of a preview; what was there before the window had another size has none.
+    /// The first pictures and the level of the preview; `None` after a resize.
     pub(super) coarse: Vec<Vec<[f32; 4]>>,
     pub(super) size: [u32; 2],
     pub(super) level: Option<Level>,
-    /// The scene's own pictures as far as they are finished.
+    /// Unfinished own pictures of the scene.
     pub(super) partial: Option<Vec<Vec<[f32; 4]>>>,
-    /// Those that are.
+    /// Finished own pictures of the scene.
     pub(super) own: Option<Vec<Vec<[f32; 4]>>>,
     pub(super) means: Vec<Mean>,
     pub(super) gpu_ms: f64,
-    /// Whether it was said what changes nothing.
-    pub(super) told: bool,
-    /// Which pixels of the first of the scene's own pictures are not to be trusted.
+    /// Whether fields without an effect were reported.
+    pub(super) reported: bool,
+    /// Validity of the first own picture.
     pub(super) validity: Option<measure::validity::Validity>,
 }
 
@@ -66,12 +67,12 @@ impl Accumulation {
             own: None,
             means,
             gpu_ms: 0.0,
-            told: false,
+            reported: false,
             validity: None,
         }
     }
 
-    /// Whether a job asks for the same in another size.
+    /// Whether a job differs in the size only.
     fn is_resized_by(&self, job: &Job) -> bool {
         let same = |(own, variant): (&Scene, &super::job::Variant)| {
             let mut resized = own.clone();
@@ -81,7 +82,7 @@ impl Accumulation {
         self.scenes.len() == job.variants.len() && self.scenes.iter().zip(&job.variants).all(same)
     }
 
-    /// The best pictures that there are, and their size.
+    /// The best pictures and their size.
     pub(super) fn best(&self) -> (Vec<Vec<[f32; 4]>>, [u32; 2]) {
         let size = self.scenes[0].image.size;
         match (&self.own, &self.partial) {
@@ -97,9 +98,9 @@ fn scenes(job: &Job) -> Vec<Scene> {
 }
 
 impl RenderThread {
-    pub(super) fn new(gpu: Gpu, gate: Arc<Gate>, shared: Arc<Shared>, budget_ms: f64, tell: Tell) -> RenderThread {
+    pub(super) fn new(gpu: Gpu, gate: Arc<Gate>, shared: Arc<Shared>, budget_ms: f64, send: SendEvent) -> RenderThread {
         let budget = Budget::new(budget_ms, gpu.info().cpu);
-        RenderThread { gpu, gate, shared, tell, budget, coarse_error: None, own_error: None }
+        RenderThread { gpu, gate, shared, send, budget, coarse_error: None, own_error: None }
     }
 
     pub(super) fn run(mut self) {
@@ -109,7 +110,7 @@ impl RenderThread {
         }
     }
 
-    /// Does the tasks there are, and waits for a job; `None` at the end.
+    /// Performs tasks and waits for a job; `None` at the end.
     fn next_job(&mut self) -> Option<Job> {
         loop {
             let mut inbox = self.shared.inbox();
@@ -130,23 +131,23 @@ impl RenderThread {
         }
     }
 
-    /// Tells of an error; whether the device is still there.
+    /// Reports an error; returns whether the device is accumulation there.
     fn survives(&self, done: Result<(), RenderError>) -> bool {
         let Err(error) = done else { return true };
         let lost = matches!(&error, RenderError::Gpu(error) if error.is_lost());
-        (self.tell)(if lost { Event::Lost } else { Event::Failed(error.to_string()) });
+        (self.send)(if lost { Event::Lost } else { Event::Failed(error.to_string()) });
         !lost
     }
 
-    /// Shows a job and those after it that have the same modules and objects; gives the first that has not.
+    /// Shows a job and later ones with the same modules and objects; returns the first other one.
     fn show(&mut self, mut job: Job) -> Option<Job> {
         let gpu = self.gpu.clone();
         let own = job.variants.clone();
         let mut renderers: Vec<VariantRenderers> =
             job.variants.iter().map(|variant| VariantRenderers::new(&gpu, variant)).collect();
-        let mut still = None;
+        let mut accumulation = None;
         loop {
-            let done = self.picture(&job, &mut renderers, &mut still);
+            let done = self.picture(&job, &mut renderers, &mut accumulation);
             if !self.survives(done) {
                 return None;
             }
@@ -164,38 +165,38 @@ impl RenderThread {
         &mut self,
         job: &Job,
         renderers: &mut [VariantRenderers],
-        still: &mut Option<Accumulation>,
+        accumulation: &mut Option<Accumulation>,
     ) -> Result<(), RenderError> {
-        if still.as_ref().is_none_or(|still| still.scenes != scenes(job)) {
-            let before = still.take();
+        if accumulation.as_ref().is_none_or(|accumulation| accumulation.scenes != scenes(job)) {
+            let before = accumulation.take();
             if !job.variants.iter().all(|variant| self.admits(&variant.scene, &variant.library)) {
                 return Ok(());
             }
-            *still = match before.filter(|before| before.is_resized_by(job)) {
+            *accumulation = match before.filter(|before| before.is_resized_by(job)) {
                 Some(before) => Some(self.resized(job, &before)?),
                 None => self.preview(job, renderers)?,
             };
         }
-        match still {
-            Some(still) if !job.moving => self.refine(job, renderers, still),
+        match accumulation {
+            Some(accumulation) if !job.moving => self.refine(job, renderers, accumulation),
             _ => Ok(()),
         }
     }
 
-    /// Whether the device may meet the programs of a scene; tells why not.
+    /// Whether the programs of a scene may run; reports a refusal.
     pub(super) fn admits(&self, scene: &Scene, library: &Library) -> bool {
         match self.gate.validate(scene, library, &|| self.shared.quits()) {
             Ok(()) => true,
             Err(CompileError::Abandoned) => false,
             Err(error) => {
                 let reason = error.to_string();
-                (self.tell)(Event::Refused(reason.lines().next().unwrap_or_default().into()));
+                (self.send)(Event::Refused(reason.lines().next().unwrap_or_default().into()));
                 false
             }
         }
     }
 
-    /// A picture in time for the next one, as far as the thread does not end.
+    /// Draws a preview within the budget; `None` if the thread ends.
     fn preview(&mut self, job: &Job, renderers: &mut [VariantRenderers]) -> Result<Option<Accumulation>, RenderError> {
         let sights: Result<Vec<ViewPose>, _> = job.variants.iter().map(sight).collect();
         let sights = sights?;
@@ -224,25 +225,25 @@ impl RenderThread {
             }
             let (size, samples) = (frames[0].size, frames[0].measurements.slices);
             let coarse: Vec<Vec<[f32; 4]>> = frames.into_iter().map(|frame| frame.pixels).collect();
-            let mut still = Accumulation::of(job, sights, coarse, size);
-            (still.level, still.gpu_ms) = (Some(level), device);
-            self.shared.told.store(job.number, Ordering::Relaxed);
+            let mut accumulation = Accumulation::of(job, sights, coarse, size);
+            (accumulation.level, accumulation.gpu_ms) = (Some(level), device);
+            self.shared.reported.store(job.number, Ordering::Relaxed);
             let error = self.coarse_error.filter(|(_, of)| *of == level).map(|(error, _)| error);
-            let pictures: Vec<&[[f32; 4]]> = still.coarse.iter().map(Vec::as_slice).collect();
-            self.tell_picture(
+            let pictures: Vec<&[[f32; 4]]> = accumulation.coarse.iter().map(Vec::as_slice).collect();
+            self.send_picture(
                 job,
-                &still,
+                &accumulation,
                 &pictures,
                 Picture { size, samples, error, ..Picture::of(job, Stage::Coarse, device) },
             );
             let ms = start.elapsed().as_secs_f64() * 1e3 - compile_ms;
             log::debug!("preview {:?}: {device:.1} ms on the device of {ms:.1} ms", size);
             self.budget.took(first, device, ms - device);
-            return Ok(Some(still));
+            return Ok(Some(accumulation));
         }
     }
 
-    /// What was there in another size of the window, in its new size: it is gone on from.
+    /// Resamples the pictures of the previous window size.
     fn resized(&mut self, job: &Job, before: &Accumulation) -> Result<Accumulation, RenderError> {
         let sights: Result<Vec<ViewPose>, _> = job.variants.iter().map(sight).collect();
         let (sights, size) = (sights?, job.variants[0].scene.image.size);
@@ -252,28 +253,34 @@ impl RenderThread {
                 |at: [f32; 2]| new.reproject(old, at.map(|part| 2.0 * part - 1.0)).map(|place| 0.5 + 0.5 * place);
             resampled(pixels, from, size, place, [0.0; 4])
         });
-        let still = Accumulation::of(job, sights.clone(), all.collect(), size);
-        let pictures: Vec<&[[f32; 4]]> = still.coarse.iter().map(Vec::as_slice).collect();
-        self.tell_picture(job, &still, &pictures, Picture::of(job, Stage::Partial, 0.0));
-        Ok(still)
+        let accumulation = Accumulation::of(job, sights.clone(), all.collect(), size);
+        let pictures: Vec<&[[f32; 4]]> = accumulation.coarse.iter().map(Vec::as_slice).collect();
+        self.send_picture(job, &accumulation, &pictures, Picture::of(job, Stage::Partial, 0.0));
+        Ok(accumulation)
     }
 
-    pub(super) fn tell_picture(&self, job: &Job, still: &Accumulation, frames: &[&[[f32; 4]]], mut picture: Picture) {
+    pub(super) fn send_picture(
+        &self,
+        job: &Job,
+        accumulation: &Accumulation,
+        frames: &[&[[f32; 4]]],
+        mut picture: Picture,
+    ) {
         let backgrounds: Vec<_> = job.variants.iter().map(|variant| variant.scene.image.background).collect();
         picture.images = encode_srgb(frames, &backgrounds, picture.size);
         picture.difference = match frames {
-            // Rows of one may be finer than those of the other.
+            // Partial pictures may be sampled unequally.
             [a, b] if picture.stage != Stage::Partial => Some(rms_difference(a, b)),
             _ => None,
         };
         picture.frames = frames.iter().map(|pixels| Arc::from(*pixels)).collect();
-        picture.sight = still.sights.first().copied();
-        (self.tell)(Event::Picture(Box::new(picture)));
+        picture.sight = accumulation.sights.first().copied();
+        (self.send)(Event::Picture(Box::new(picture)));
     }
 }
 
 impl Picture {
-    /// As large as the scene asks, with its samples; no images yet, and nothing known of its error.
+    /// A picture in the size and with the samples of the scene, without images.
     pub(super) fn of(job: &Job, stage: Stage, gpu_ms: f64) -> Picture {
         let scene = &job.variants[0].scene;
         let (size, samples) = (scene.image.size, scene.quality.samples);

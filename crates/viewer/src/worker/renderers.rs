@@ -1,4 +1,4 @@
-//! What a variant is drawn with.
+//! Renderers of a variant.
 
 use super::background_renderer::BackgroundRenderer;
 use super::job::Variant;
@@ -9,19 +9,19 @@ use hypertexture::render::{Renderer, ViewPose};
 use hypertexture::scene::{Pass, Scene};
 use hypertexture::shader::Library;
 
-/// Scenes of one object for which a renderer keeps what it has made: that of the person, and a preview of it that is drawn
-/// by the other pass or reads smaller blocks of noise.
+/// Number of prepared scenes per renderer: the scene, and its preview, which may use the other pass or smaller noise
+/// blocks.
 const KEPT: usize = 2;
 
-/// What a variant is drawn with: each renderer keeps what it has made.
+/// Renderers of a variant, each with its own cache.
 pub(super) struct VariantRenderers {
     /// Draws previews and the scene's own picture.
     pub(super) own: Renderer,
-    /// Draws the pictures of which the converged one is the mean.
+    /// Draws sub-frames.
     pub(super) mean: BackgroundRenderer,
-    /// Tries the other pass, while it is tried.
+    /// Draws previews of the other pass while it is timed.
     pub(super) trial: Option<BackgroundRenderer>,
-    /// The pass that draws previews faster, where that was measured, and the scene's own.
+    /// The faster pass for previews, if measured, and the scene's own pass.
     pub(super) faster: Option<[Pass; 2]>,
 }
 
@@ -33,7 +33,7 @@ impl VariantRenderers {
         VariantRenderers { own, mean: BackgroundRenderer::new(renderer()), trial: None, faster: None }
     }
 
-    /// The preview of a scene, by the pass that draws it faster.
+    /// The preview of a scene, by the faster pass.
     pub(super) fn preview(&self, scene: &Scene, level: Level) -> Scene {
         let has_blocks = scene.quality.block_size <= PREVIEW_BLOCK || self.own.is_prepared(scene);
         let mut preview = level.scene(scene, has_blocks);
@@ -46,12 +46,12 @@ impl VariantRenderers {
     }
 }
 
-/// Where a variant is looked at from.
+/// View of a variant.
 pub(crate) fn sight(variant: &Variant) -> Result<ViewPose, VariantError> {
     Ok(ViewPose::of(&variant.scene, &variant.subject, &Program::of(&variant.scene, &variant.library)?))
 }
 
-/// A scene drawn by the other pass, where that can be.
+/// The scene with the other pass, if that is valid.
 pub(super) fn with_other_pass(scene: &Scene, library: &Library) -> Option<Scene> {
     let mut other = scene.clone();
     other.quality.pass = match scene.quality.pass {

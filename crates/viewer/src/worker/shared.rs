@@ -7,9 +7,9 @@ use std::sync::{Condvar, Mutex, MutexGuard};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// A preview is waited for to be on the screen for so long at most: a hidden window shows none.
+/// Longest wait for a preview to be shown: a hidden window shows none.
 const SHOWN: Duration = Duration::from_millis(40);
-/// While it is, whether it is there is asked this often.
+/// Interval between checks of this wait.
 const LOOK: Duration = Duration::from_micros(500);
 
 #[derive(Default)]
@@ -20,10 +20,10 @@ pub(super) struct Shared {
     pub(super) newest: AtomicU64,
     /// Whether the thread ends.
     pub(super) quit: AtomicBool,
-    /// Whether a recording or a search ends.
+    /// Whether a turntable or a search stops.
     pub(super) stop: AtomicBool,
-    /// The jobs of the last preview that was told of, and of the last picture that the window was drawn with.
-    pub(super) told: AtomicU64,
+    /// The jobs of the last reported preview, and of the last shown picture.
+    pub(super) reported: AtomicU64,
     pub(super) shown: AtomicU64,
 }
 
@@ -42,16 +42,15 @@ impl Shared {
         self.quit.load(Ordering::Relaxed)
     }
 
-    /// Waits until the window was drawn with the last preview: on a device that draws both, the next one would keep it
-    /// waiting.
+    /// Waits until the window shows the last preview: on a CPU device, the next one would delay it.
     pub(super) fn wait_until_shown(&self) {
         let until = Instant::now() + SHOWN;
-        while self.shown.load(Ordering::Relaxed) < self.told.load(Ordering::Relaxed) && Instant::now() < until {
+        while self.shown.load(Ordering::Relaxed) < self.reported.load(Ordering::Relaxed) && Instant::now() < until {
             thread::sleep(LOOK);
         }
     }
 
-    /// Whether something is more urgent than the job of this number.
+    /// Whether newer work waits than the job of this number.
     pub(super) fn is_stale(&self, number: u64) -> bool {
         self.quits() || self.newest.load(Ordering::Relaxed) != number
     }

@@ -1,4 +1,4 @@
-//! What is done between two pictures.
+//! Tasks between pictures.
 
 use super::job::{Event, Task, Variant};
 use super::render_thread::RenderThread;
@@ -12,7 +12,7 @@ use measure::pick::{ErrorBound, PickError, pick};
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
-/// Frames per second of a recording.
+/// Frames per second of a turntable.
 const FPS: f64 = 25.0;
 
 impl RenderThread {
@@ -35,16 +35,16 @@ impl RenderThread {
                     if frames.is_some() {
                         if self.stops() {
                             let reason = format!("the turntable was stopped after {frame} of {count} frames");
-                            (self.tell)(Event::Stopped(reason));
+                            (self.send)(Event::Stopped(reason));
                             return Ok(());
                         }
-                        (self.tell)(Event::Recorded(frame, count));
+                        (self.send)(Event::Recorded(frame, count));
                     }
                     if !self.write(&renderer.render(&scene)?, &scene, &edited, &to) {
                         return Ok(());
                     }
                 }
-                (self.tell)(Event::Wrote(path));
+                (self.send)(Event::Wrote(path));
             }
             Task::Pick { variant, bound } => self.pick(&variant, bound)?,
         }
@@ -55,7 +55,7 @@ impl RenderThread {
         self.shared.quits() || self.shared.stop.load(Ordering::Relaxed)
     }
 
-    /// Writes a picture and what it shows; whether that went well.
+    /// Writes a picture with its metadata; returns whether that succeeded.
     fn write(&self, frame: &Frame, scene: &Scene, edited: &[String], path: &Path) -> bool {
         let mut measured = frame.measurements.clone();
         if !edited.is_empty() {
@@ -67,14 +67,14 @@ impl RenderThread {
                 let background = scene.image.background;
                 output::write(frame, background, Depth::Eight, &provenance, path).map_err(|error| error.to_string())
             });
-        written.map_err(|reason| (self.tell)(Event::Failed(reason))).is_ok()
+        written.map_err(|reason| (self.send)(Event::Failed(reason))).is_ok()
     }
 
     fn pick(&self, variant: &Variant, bound: ErrorBound) -> Result<(), RenderError> {
         let Variant { scene, library, subject } = variant;
         let progress = |done: f32| {
             cancel_if(self.stops());
-            (self.tell)(Event::Picking(done));
+            (self.send)(Event::Picking(done));
         };
         let session = Session { gpu: &self.gpu, library, subject, worker: None, stop: &|| false };
         let found = match catch_cancellation(|| pick(session, scene, bound, &progress)) {
@@ -83,7 +83,7 @@ impl RenderThread {
             Some(Err(error)) => Event::Failed(error.to_string()),
             None => Event::Picked(None),
         };
-        (self.tell)(found);
+        (self.send)(found);
         Ok(())
     }
 }

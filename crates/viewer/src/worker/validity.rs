@@ -1,4 +1,4 @@
-//! Which pixels on the screen are not to be trusted.
+//! Validity of the pixels on the screen.
 
 use super::job::{Event, Job, Picture, Variant};
 use super::render_thread::RenderThread;
@@ -10,11 +10,11 @@ use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
 use measure::validity::{Found, TRUSTED, Validity, examine};
 
-/// The color of pixels that are to be trusted, in the legend.
+/// Legend color of valid pixels.
 const GREY: [u8; 3] = [128; 3];
 
 impl RenderThread {
-    /// Finds which of the scene's `own` pixels are not to be trusted; none where something else is to be done.
+    /// Computes the validity of the scene's own pixels; `None` if the job is stale.
     pub(super) fn examine(&self, job: &Job, own: &[[f32; 4]]) -> Result<Option<Validity>, RenderError> {
         let Variant { scene, library, subject } = &job.variants[0];
         let mut renderer = Renderer::new(&self.gpu, library, subject);
@@ -37,12 +37,12 @@ impl RenderThread {
         lost.map_or(Ok(validity), Err)
     }
 
-    /// Shows the pixels in grey or the color of their cause, and what the colors mean.
-    pub(super) fn tell_validity(&self, job: &Job, validity: &Validity, own: &[[f32; 4]], gpu_ms: f64) {
+    /// Sends the picture with its validity colors and their legend.
+    pub(super) fn send_validity(&self, job: &Job, validity: &Validity, own: &[[f32; 4]], gpu_ms: f64) {
         let picture = Picture::of(job, Stage::Validity, gpu_ms);
         let images = vec![ColorImage::from_rgb(picture.size.map(|side| side as usize), &validity.colors(own))];
         let trusted = format!(
-            "{:.1} % change by less than {TRUSTED:.1e} whatever is made better; what bounds leave open, render --validity shows",
+            "{:.1} % change by less than {TRUSTED:.1e} with any better setting; render --validity also shows unresolved bounds",
             validity.trusted()
         );
         let line = |Found { cause, pixels, .. }: &Found| {
@@ -50,16 +50,16 @@ impl RenderThread {
         };
         let lines = validity.found.iter().filter(|found| found.pixels > 0).map(line);
         let validity = std::iter::once((GREY, trusted)).chain(lines).collect();
-        (self.tell)(Event::Picture(Box::new(Picture { images, validity, ..picture })));
+        (self.send)(Event::Picture(Box::new(Picture { images, validity, ..picture })));
     }
 
-    /// The picture of a scene with the object of the job; none where something else is to be done.
+    /// The picture of a scene with the object of the job; `None` if the job is stale.
     fn pixels(&self, job: &Job, scene: &Scene, renderer: &mut Renderer) -> Result<Option<Vec<[f32; 4]>>, RenderError> {
         let mut pixels = Vec::new();
         Ok(self.in_tiles(job, scene, renderer, &mut pixels, |_| ())?.map(|_| pixels))
     }
 
-    /// The picture of a scene whose object has to be sampled first.
+    /// The picture of a scene with another object, which is loaded first.
     fn of_another_object(&self, job: &Job, scene: &Scene) -> Result<Option<Vec<[f32; 4]>>, RenderError> {
         let library = &job.variants[0].library;
         let progress = |_| cancel_if(self.shared.is_stale(job.number));

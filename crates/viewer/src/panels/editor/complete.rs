@@ -1,4 +1,4 @@
-//! Words that a beginning may become: parameters, functions, and what GLSL has.
+//! Completion of identifiers: parameters, functions and words of GLSL.
 
 use super::field::{FONT, field};
 use egui::text::{CCursor, CCursorRange};
@@ -8,12 +8,12 @@ use hypertexture::shader::{Library, reserved};
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-/// Letters after which words are offered without being asked for. Fewer: a list at every letter.
+/// Number of letters after which the list opens. Lower: it opens at every letter.
 const LETTERS: usize = 2;
-/// Words that are offered at most.
+/// Length of the list.
 const MOST: usize = 8;
 
-/// Functions of GLSL that modules use, with their arguments.
+/// GLSL functions with their arguments.
 pub(super) const BUILTINS: [(&str, &str); 44] = [
     ("abs", "(x)"),
     ("acos", "(x)"),
@@ -61,26 +61,26 @@ pub(super) const BUILTINS: [(&str, &str); 44] = [
     ("trunc", "(x)"),
 ];
 
-/// A word, and what it is.
+/// An identifier and its description.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Word {
     pub(super) text: String,
     pub(super) about: String,
 }
 
-/// What is offered.
+/// The completion list.
 #[derive(Default)]
 pub(super) struct Completion {
     words: Vec<Word>,
-    /// The bytes of the beginning.
+    /// Bytes of the prefix.
     range: Range<usize>,
-    /// The word that is taken.
+    /// Index of the selected word.
     at: usize,
-    /// Whether it was asked for: then it has the arrows and Enter as well.
+    /// Whether the list was opened by its key, and so owns the arrow keys and Enter.
     asked: bool,
 }
 
-/// What the keys have asked for.
+/// Key of the completion list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum CompletionKey {
     Nothing,
@@ -89,7 +89,7 @@ pub(super) enum CompletionKey {
 }
 
 impl Completion {
-    /// Whether words are offered.
+    /// Whether the list is open.
     pub(super) fn is_open(&self) -> bool {
         !self.words.is_empty()
     }
@@ -98,7 +98,7 @@ impl Completion {
         *self = Completion::default();
     }
 
-    /// Takes the keys that belong to the list before the text sees them.
+    /// Handles keys of the list before the text field does.
     pub(super) fn keys(&mut self, ui: &Ui) -> CompletionKey {
         if !ui.memory(|memory| memory.has_focus(field())) {
             self.close();
@@ -122,7 +122,7 @@ impl Completion {
         CompletionKey::Nothing
     }
 
-    /// Offers words for the beginning that ends at a byte of the text; `asked` also those of one letter.
+    /// Opens the list for the prefix that ends at a byte of the text; `asked` also for one letter.
     pub(super) fn offer(&mut self, text: &str, end: usize, library: &Library, asked: bool) {
         let begins =
             text[..end].rfind(|c| !is_word(c)).map_or(0, |at| at + text[at..].chars().next().map_or(1, char::len_utf8));
@@ -140,8 +140,7 @@ impl Completion {
         *self = Completion { words, range: begins..end, at: 0, asked };
     }
 
-    /// Puts the chosen word in place of its beginning; gives where it ends, as bytes. `word` is its index, where one was
-    /// clicked.
+    /// Replaces the prefix by the selected word, or by the clicked one; returns the byte after it.
     pub(super) fn take(&mut self, text: &mut String, word: Option<usize>) -> Option<usize> {
         let chosen = self.words.get(word.unwrap_or(self.at))?.text.clone();
         let range = self.range.clone();
@@ -151,7 +150,7 @@ impl Completion {
         Some(range.start + chosen.len())
     }
 
-    /// The list below a place of the window; gives the word that was clicked.
+    /// Shows the list below a position; returns the index of a clicked word.
     pub(super) fn show(&self, ui: &Ui, below: Pos2) -> Option<usize> {
         if !self.is_open() {
             return None;
@@ -177,7 +176,7 @@ impl Completion {
     }
 }
 
-/// Puts the cursor of the text field at a character, or selects some.
+/// Moves the cursor of the text field, or selects characters.
 pub(super) fn select(ui: &Ui, range: Range<usize>) {
     let mut state = TextEdit::load_state(ui.ctx(), field()).unwrap_or_default();
     state.cursor.set_char_range(Some(CCursorRange::two(CCursor::new(range.start), CCursor::new(range.end))));
@@ -188,7 +187,7 @@ fn is_word(c: char) -> bool {
     c.is_ascii_alphanumeric() || c == '_'
 }
 
-/// Parameters that a text declares, with what it says about them.
+/// Declared parameters with their descriptions.
 pub(super) fn parameters(text: &str) -> Vec<Word> {
     let declared = |line: &str| {
         let (_, rest) = declaration(line).filter(|(kind, _)| ["param", "color"].contains(kind))?;
@@ -198,7 +197,7 @@ pub(super) fn parameters(text: &str) -> Vec<Word> {
     text.lines().filter_map(declared).collect()
 }
 
-/// Functions that a text defines, with their arguments.
+/// Defined functions with their arguments.
 fn functions(text: &str) -> Vec<Word> {
     let defined = |line: &str| {
         let (start, arguments) = line.split_once('(')?;
@@ -210,7 +209,7 @@ fn functions(text: &str) -> Vec<Word> {
     text.lines().filter_map(defined).collect()
 }
 
-/// The texts that one includes, and those that they include. Of a slot any module will do: they have the same functions.
+/// Functions of included files, recursively. All modules of a slot have the same functions.
 fn included(text: &str, library: &Library, seen: &mut BTreeSet<String>) -> Vec<Word> {
     let mut found = functions(text);
     for name in text.lines().filter_map(|line| line.trim().strip_prefix("#include ")) {
@@ -227,7 +226,7 @@ fn included(text: &str, library: &Library, seen: &mut BTreeSet<String>) -> Vec<W
     found
 }
 
-/// Every word that there is for a text: its parameters, the functions it reaches, what a sample has, and GLSL's own.
+/// All words for a text: its parameters, the functions that it reaches, built-in functions and reserved words.
 fn words(text: &str, library: &Library) -> Vec<Word> {
     let mut words = parameters(text);
     words.extend(included(text, library, &mut BTreeSet::new()));

@@ -1,24 +1,24 @@
-//! Words that are looked for in the text.
+//! Search in the text.
 
 use crate::panels::widgets::{button, named};
 use egui::{Id, Key, TextEdit, Ui};
 use std::ops::Range;
 
-/// What is looked for.
+/// State of the search.
 #[derive(Default)]
 pub(super) struct Find {
     pub(super) text: String,
-    /// The match that is shown, of all.
+    /// Index of the current match.
     at: usize,
 }
 
 impl Find {
-    /// The match that one is at, of all.
+    /// Index of the current match.
     pub(super) fn current(&self) -> usize {
         self.at
     }
 
-    /// The field and its buttons; gives the match to go to. `asked` puts the keys into the field.
+    /// Shows the field and its buttons; returns a match to go to. `asked` moves the focus to the field.
     pub(super) fn show(&mut self, ui: &mut Ui, text: &str, asked: bool) -> Option<Range<usize>> {
         let edit = TextEdit::singleline(&mut self.text).id(Id::new("author.find")).hint_text("find (Ctrl+F)");
         let response = ui.add(edit.desired_width(120.0));
@@ -50,7 +50,7 @@ impl Find {
     }
 }
 
-/// Where a text has a word, in any case, as bytes; matches do not overlap.
+/// Matches in any case, as byte ranges without overlap.
 pub(super) fn matches(text: &str, word: &str) -> Vec<Range<usize>> {
     if word.is_empty() {
         return Vec::new();

@@ -1,4 +1,4 @@
-//! The colors of GLSL.
+//! Syntax highlighting of GLSL.
 
 use super::complete::BUILTINS;
 use super::field::FONT;
@@ -8,7 +8,7 @@ use hypertexture::shader::declare::declaration;
 use hypertexture::shader::{is_reserved, tokens};
 use std::ops::Range;
 
-/// The colors of a text, which stand out from what is behind them as all text does.
+/// Text colors, with a contrast of at least 4.5 to 1 on their backgrounds.
 pub(super) struct Colors {
     plain: Color32,
     comment: Color32,
@@ -17,11 +17,11 @@ pub(super) struct Colors {
     number: Color32,
     reserved: Color32,
     function: Color32,
-    /// What is behind a line that is wrong.
+    /// Background of a line with an error.
     wrong_line: Color32,
-    /// What is looked for, and what is behind it.
+    /// Text and background of a match.
     found: [Color32; 2],
-    /// The same of the match that one is at.
+    /// Text and background of the current match.
     current: [Color32; 2],
 }
 
@@ -51,13 +51,13 @@ const LIGHT: Colors = Colors {
     current: [Color32::WHITE, Color32::from_rgb(150, 72, 0)],
 };
 
-/// Those of a theme.
+/// The colors of a theme.
 pub(super) fn colors(is_dark: bool) -> &'static Colors {
     if is_dark { &DARK } else { &LIGHT }
 }
 
-/// The text in its colors: declared names, given by `parameters`, as their declarations; lines that are `wrong`, counted from
-/// 1, and the bytes that are `found` have backgrounds, those of the `current` match one of its own.
+/// Highlights a text. `parameters` have the color of declarations; lines that are `wrong`, counted from 1, and the
+/// byte ranges `found` have backgrounds, and the match `current` has its own.
 pub(super) fn job(
     text: &str,
     colors: &Colors,
@@ -100,7 +100,7 @@ pub(super) fn job(
     job
 }
 
-/// Appends a piece of the text that begins at a byte, in parts where some of it is marked.
+/// Appends a piece of the text that starts at byte `at`, split at the edges of matches.
 fn append(job: &mut LayoutJob, piece: &str, at: usize, format: TextFormat, marks: &[(Range<usize>, [Color32; 2])]) {
     let mut start = 0;
     for (range, [color, background]) in

@@ -9,12 +9,12 @@ use crate::panels::widgets::{button, named};
 use egui::{Key, Label, Modifiers, Panel, Popup, Rect, RichText, ScrollArea, Sense, TextEdit, Ui};
 use std::path::PathBuf;
 
-/// Height of what is said about the text, points: the same whatever it is, so that the text does not move.
+/// Height of the area for errors, points; constant, so that the text does not move.
 const VERDICT: f32 = 84.0;
-/// The list of modules leaves out what is no slot of an effect.
+/// Slots whose modules cannot be edited.
 const NO_SLOTS: [&str; 2] = ["doctor", "combine"];
 
-/// Gives the keys to the text where a click in the editor, which fills `place`, has left them to nobody.
+/// Returns the focus to the text field after a click in the editor that has taken it.
 pub(in crate::panels) fn keep_focus(ui: &Ui, place: Rect) {
     let is_clicked = ui.input(|input| {
         let pointer = &input.pointer;
@@ -25,7 +25,7 @@ pub(in crate::panels) fn keep_focus(ui: &Ui, place: Rect) {
     }
 }
 
-/// Shows the editor. To be called once for each frame: it polls.
+/// Shows the editor. Called once per frame: it polls.
 pub(in crate::panels) fn show(ui: &mut Ui, author: &mut Author, model: &mut Model, editor: &mut Editor) {
     author.poll(model);
     ui.horizontal_wrapped(|ui| {
@@ -42,7 +42,7 @@ pub(in crate::panels) fn show(ui: &mut Ui, author: &mut Author, model: &mut Mode
                 author.use_in(model);
             }
         });
-        if button(ui, "shipped text", "author.reset", "Take back every change of this module.").clicked() {
+        if button(ui, "shipped text", "author.reset", "Revert this module to its shipped text.").clicked() {
             author.reset();
             author.touch();
         }
@@ -50,7 +50,7 @@ pub(in crate::panels) fn show(ui: &mut Ui, author: &mut Author, model: &mut Mode
     ui.horizontal_wrapped(|ui| files(ui, author, model));
     ui.horizontal_wrapped(|ui| {
         let wraps = ui.toggle_value(&mut editor.wraps, "wrap");
-        named(ui, &wraps, "author.wrap").on_hover_text("Long lines go on in the next row.");
+        named(ui, &wraps, "author.wrap").on_hover_text("Wrap long lines.");
         let asked = ui.input_mut(|input| input.consume_key(Modifiers::COMMAND, Key::F));
         if let Some(found) = editor.find.show(ui, &author.text, asked) {
             editor.go_to = Some(found);
@@ -66,7 +66,7 @@ pub(in crate::panels) fn show(ui: &mut Ui, author: &mut Author, model: &mut Mode
     text::show(ui, author, model, editor);
 }
 
-/// The module that is edited, out of all.
+/// The list of modules.
 fn chooser(ui: &mut Ui, author: &mut Author, model: &Model) {
     let library = model.library();
     let mut paths: Vec<(&str, &str)> = library
@@ -90,26 +90,26 @@ fn chooser(ui: &mut Ui, author: &mut Author, model: &Model) {
             }
         }
     });
-    named(ui, &shown.response, "author.module").on_hover_text("The module that is edited.");
+    named(ui, &shown.response, "author.module").on_hover_text("The edited module.");
     if let Some((slot, name)) = chosen {
         author.open(library, &slot, &name);
     }
 }
 
-/// A name for a copy, and a file to write or to follow.
+/// The field for a module name or a file, and its buttons.
 fn files(ui: &mut Ui, author: &mut Author, model: &mut Model) {
     let id = ui.id().with("author.field");
     let mut field: String = ui.data(|data| data.get_temp(id)).unwrap_or_default();
     let edit = TextEdit::singleline(&mut field).hint_text("new_name or path/NAME.glsl").desired_width(180.0);
     let response = ui.add(edit);
     named(ui, &response, "author.name");
-    let fork = button(ui, "new module", "author.fork", "Make a new module of this text, with this name.").clicked();
-    let save = button(ui, "save as", "author.save", "Write the text to this file, and follow the file.").clicked();
+    let fork = button(ui, "new module", "author.fork", "Create a module with this name from the text.").clicked();
+    let save = button(ui, "save as", "author.save", "Write the text to this file and follow it.").clicked();
     let follow = button(
         ui,
         "follow file",
         "author.follow",
-        "Edit the module in an editor of your own: the picture follows the file. The folder is the slot, dmf if it is none.",
+        "Edit the module in an external editor: the picture follows the file. The folder names the slot, else the slot is dmf.",
     )
     .clicked();
     let done = match (fork, save, follow) {
@@ -127,20 +127,18 @@ fn files(ui: &mut Ui, author: &mut Author, model: &mut Model) {
     }
 }
 
-/// A file that is gone; or the text here and that of the file, where both have changed.
+/// A deleted file, or a conflict between the file and the text.
 fn contest(ui: &mut Ui, author: &mut Author) {
     if let Some(line) = author.complaint().filter(|_| author.is_gone()) {
         ui.label(RichText::new(line).color(ui.visuals().error_fg_color));
     } else if author.is_contested() {
         ui.horizontal_wrapped(|ui| {
-            ui.label(
-                RichText::new("another program has written to the file, and the text here is another")
-                    .color(ui.visuals().error_fg_color),
-            );
-            if button(ui, "take the file", "author.theirs", "What was typed here since is gone.").clicked() {
+            ui.label(RichText::new("the file and the text here have both changed").color(ui.visuals().error_fg_color));
+            if button(ui, "take the file", "author.theirs", "Discard the changes here.").clicked() {
                 author.settle(true);
             }
-            if button(ui, "keep this text", "author.ours", "`save as` replaces what the other program wrote.").clicked()
+            if button(ui, "keep this text", "author.ours", "Keep the changes here; `save as` overwrites the file.")
+                .clicked()
             {
                 author.settle(false);
             }
@@ -148,10 +146,10 @@ fn contest(ui: &mut Ui, author: &mut Author) {
     }
 }
 
-/// What became of the text, with every fault; a click on one leads to its line.
+/// The result of the check, with all errors; a click on one goes to its line.
 fn verdict(ui: &mut Ui, author: &Author, editor: &mut Editor) {
     match author.state() {
-        State::Good => drop(ui.label(RichText::new("good: this is what the picture is made of").weak())),
+        State::Good => drop(ui.label(RichText::new("good: the picture uses this text").weak())),
         State::Compiling => drop(ui.label(RichText::new("compiling ...").weak())),
         State::Bad(faults) => {
             ui.label(RichText::new("the picture shows the last good text").weak());
@@ -175,7 +173,7 @@ fn verdict(ui: &mut Ui, author: &Author, editor: &mut Editor) {
     }
 }
 
-/// The bytes of a line, counted from 1, without its end.
+/// Bytes of a line, counted from 1, without its end.
 fn line_at(text: &str, line: usize) -> std::ops::Range<usize> {
     let mut start = 0;
     for (index, row) in text.split_inclusive('\n').enumerate() {

@@ -1,4 +1,4 @@
-//! The text itself, with the numbers of its lines and what is wrong with them.
+//! The text field, with line numbers and errors.
 
 use super::complete::{self, CompletionKey};
 use super::field::{FONT, field};
@@ -12,12 +12,12 @@ use egui::{Align, Align2, EventFilter, Galley, Margin, Pos2, Rect, ScrollArea, T
 use hypertexture::shader::compile::Fault;
 use std::ops::Range;
 
-/// Free room right of a text before what is wrong with it.
+/// Gap between a line and its error, points.
 const GAP: f32 = 16.0;
-/// The part of the width that such a line may hide of the text.
+/// Fraction of the width that an error may cover.
 const HIDES: f32 = 0.4;
 
-/// Numbers of lines, which stay at the left, and the text; a wrong line is marked, with the message at its end on the screen.
+/// The text field with a fixed column of line numbers; errors are at the ends of their lines.
 pub(super) fn show(ui: &mut Ui, author: &mut Author, model: &Model, editor: &mut Editor) {
     let path = author.path();
     let faults: Vec<Fault> = match author.state() {
@@ -43,7 +43,7 @@ pub(super) fn show(ui: &mut Ui, author: &mut Author, model: &Model, editor: &mut
         let view = ui.clip_rect();
         let found = find::matches(&author.text, &editor.find.text);
         let mut layouter = |ui: &Ui, buffer: &dyn egui::TextBuffer, width: f32| {
-            // What is found is that of the text before the last letter: it fits the new one a frame later.
+            // The matches are those of the text before the edit, and follow one frame later.
             let text = buffer.as_str();
             let found: &[Range<usize>] =
                 if found.iter().all(|range| text.get(range.clone()).is_some()) { &found } else { &[] };
@@ -53,7 +53,7 @@ pub(super) fn show(ui: &mut Ui, author: &mut Author, model: &Model, editor: &mut
             }
             ui.fonts_mut(|fonts| fonts.layout_job(job))
         };
-        // Whatever comes and goes around it, it is the same field, and keeps the keys.
+        // A fixed id keeps the focus when other controls appear.
         let keys = EventFilter {
             tab: true,
             horizontal_arrows: true,
@@ -105,14 +105,14 @@ pub(super) fn show(ui: &mut Ui, author: &mut Author, model: &Model, editor: &mut
     });
 }
 
-/// Goes on behind a word that was taken.
+/// Moves the cursor behind a completed word.
 fn took(ui: &Ui, author: &mut Author, end: usize) {
     let end = author.text[..end].chars().count();
     complete::select(ui, end..end);
     author.touch();
 }
 
-/// The rows of each line that are on the screen: its number, and its first and last row.
+/// Number, first row and last row of each visible line.
 fn lines(galley: &Galley, from: Pos2, view: Rect) -> Vec<(usize, [Rect; 2])> {
     let (mut found, mut line, mut first) = (Vec::new(), 1, None);
     for row in &galley.rows {
@@ -129,7 +129,7 @@ fn lines(galley: &Galley, from: Pos2, view: Rect) -> Vec<(usize, [Rect; 2])> {
     found
 }
 
-/// The numbers of the lines, wherever the text is scrolled to.
+/// The line numbers, at any scroll position.
 fn numbers<'a>(ui: &Ui, galley: &Galley, from: Pos2, gutter: Rect, fault: &dyn Fn(usize) -> Option<&'a Fault>) {
     let painter = ui.painter();
     painter.rect_filled(gutter, 0.0, ui.visuals().panel_fill);
@@ -139,8 +139,8 @@ fn numbers<'a>(ui: &Ui, galley: &Galley, from: Pos2, gutter: Rect, fault: &dyn F
     }
 }
 
-/// What is wrong with each line, at its end or where the screen ends; of the line of the cursor, where it would hide text,
-/// below it.
+/// The error of each line at its end or at the edge of the view; below the line of the cursor if it would cover text
+/// there.
 fn messages<'a>(
     ui: &Ui,
     galley: &Galley,
