@@ -1,6 +1,6 @@
 //! The table of a run, and changes since a saved one.
 
-use super::{Bench, Timed};
+use super::timed::{Bench, Timed};
 use crate::compare::timing::Spread;
 use std::fmt::Write as _;
 
@@ -83,7 +83,7 @@ pub fn table(bench: &Bench) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::Against;
+    use crate::bench::timed::Against;
 
     fn bench(name: &str, processor: &[f64], device: &[f64]) -> Bench {
         let (device_ms, processor_ms) = (Some(Spread::of(device)), Some(Spread::of(processor)));

@@ -1,6 +1,6 @@
 //! The child process: renders scenes on request.
 
-use super::{Answer, Load, Request, Task, line};
+use super::protocol::{Answer, Load, Request, Task, line};
 use hypertexture::gpu::{Gpu, GpuError, Options};
 use hypertexture::render::{RenderError, Renderer, Subject};
 use hypertexture::scene::{self, Scene};
