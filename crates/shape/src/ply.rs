@@ -205,7 +205,7 @@ impl Values<'_, '_> {
             }
         }
         if bytes > 0 {
-            self.source.note(format!("bytes behind the last element are left out: {bytes}"));
+            self.source.note(format!("bytes after the last element are left out: {bytes}"));
         }
     }
 

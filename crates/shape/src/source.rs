@@ -111,7 +111,7 @@ impl<'a> Source<'a> {
     /// Notes zero padding after compressed data.
     pub fn note_padding(&self, zeros: u64) {
         if zeros > 0 {
-            self.note(format!("{zeros} zeros behind the packed data are left out"));
+            self.note(format!("{zeros} zeros after the compressed data are left out"));
         }
     }
 

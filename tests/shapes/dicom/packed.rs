@@ -1,8 +1,6 @@
 //! Compressed pixels: run lengths and JPEG, encoded here after NEMA PS3.5 and ITU-T T.81.
 
-use super::files::{
-    CT, Desk, File, ITEM, LITTLE, OPEN, PIXELS, Way, at, expected, frames, series, stored, volume,
-};
+use super::files::{CT, Desk, File, ITEM, LITTLE, OPEN, PIXELS, Way, at, expected, frames, series, stored, volume};
 use hypertexture::shape::{Opened, open, read};
 use std::fs;
 

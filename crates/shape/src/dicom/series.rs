@@ -206,7 +206,7 @@ fn line(source: &Source, slices: &[Slice], name: &dyn Fn(&Slice) -> String) -> R
     }
     let text = "the positions of its slices are rounded, by up to";
     source.note(format!(
-        "{text} {} mm: even distances of {} mm are taken",
+        "{text} {} mm: even distances of {} mm are used",
         shown_mm(farthest(fitted).0),
         shown_mm(fitted.1.length())
     ));

@@ -109,7 +109,7 @@ pub fn read(data: &Data) -> Result<SceneMesh, ShapeError> {
     let texts = [
         "primitives of points or lines are left out",
         "primitives without positions are left out",
-        "corners that make no whole triangle are left out",
+        "corners of incomplete triangles are left out",
         "skins are not applied, their meshes stand where their nodes put them",
         "morph targets are not applied, their meshes keep their base shape",
         "hidden nodes are left out, with all below them",

@@ -67,7 +67,7 @@ fn select(source: &mut Source, header: &FileHeader) -> Result<Shape, ShapeError>
             },
             (_, None) if shape.is_some() => break, // without offsets the next grid cannot be found
             (_, None) if !is_last => {
-                let expected = "the offset of the end of a grid behind it";
+                let expected = "the offset of the end of a grid after it";
                 return Err(source.malformed_at(place, expected, end.to_string()));
             }
             _ => {}
