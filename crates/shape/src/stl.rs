@@ -5,7 +5,7 @@
 //! The crate stl_io loses all but the first solid of a text file.
 
 use super::error::{Found, ShapeError};
-use super::source::{Source, number, tokens};
+use super::source::{Source, check_positions, number, tokens};
 use super::{MAX_TRIANGLES, Mesh, Shape};
 use glam::{DVec3, Vec3};
 
@@ -35,7 +35,7 @@ pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
 }
 
 fn finish(source: &Source, corners: &[impl Copy + Into<DVec3>]) -> Result<Shape, ShapeError> {
-    source.check_positions("triangle corners", corners)?;
+    check_positions(&source.file, "triangle corners", corners)?;
     source.finish(Mesh::of_corners(corners), "no facet, or a count of 0 in a binary header")
 }
 
