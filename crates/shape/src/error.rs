@@ -196,6 +196,13 @@ pub(super) fn quoted(bytes: &[u8]) -> String {
     format!("`{shown}`")
 }
 
+/// The first four names, for a message.
+pub(super) fn first_few(names: &[impl AsRef<str>], separator: &str) -> String {
+    let mut shown: Vec<&str> = names.iter().take(4).map(AsRef::as_ref).collect();
+    shown.extend((names.len() > 4).then_some("..."));
+    shown.join(separator)
+}
+
 /// A file name for a message, never cut.
 pub(super) fn shown(name: &str) -> String {
     words::line(name).into_owned()

@@ -9,7 +9,7 @@ use super::header::{MARK, MARK_AT};
 use super::image::{Image, MAX_FRAMES};
 use super::series::{Layout, Member, layout, without_others};
 use crate::Shape;
-use crate::error::{Location, ShapeError, shown};
+use crate::error::{Location, ShapeError, first_few, shown};
 use crate::source::Source;
 use std::fs;
 use std::io;
@@ -18,8 +18,6 @@ use support::open::Home;
 
 /// Most files of a folder: five times the slices of a whole body.
 const MAX_FILES: usize = 10_000;
-/// Most series named in a message.
-const NAMED: usize = 4;
 
 /// Whether the file has the prefix of DICOM after 128 bytes.
 pub(crate) fn recognizes(start: &[u8], _len: u64) -> bool {
@@ -73,8 +71,7 @@ fn folder_series(source: &Source, folder: &Path) -> Result<Shape, ShapeError> {
     }
     let all: Vec<String> =
         series.iter().map(|(first, files)| format!("{} and {} more", first.name(), files - 1)).collect();
-    let more = if all.len() > NAMED { "; ..." } else { "" };
-    let found = format!("{} series ({}{more})", all.len(), all[..all.len().min(NAMED)].join("; "));
+    let found = format!("{} series ({})", all.len(), first_few(&all, "; "));
     let remedy = "name a file of the one that you want, all of its slices are read then";
     Err(ShapeError::unsupported(name, Location::Folder, "a folder of", found, remedy))
 }

@@ -6,7 +6,7 @@
 use super::image::{Frame, Image};
 use crate::Content;
 use crate::axes::lengths;
-use crate::error::{Location, ShapeError, quoted};
+use crate::error::{Location, ShapeError, first_few, quoted};
 use crate::placement::{self, Placement};
 use crate::source::Source;
 use crate::space::Space;
@@ -21,8 +21,6 @@ const TURN: f64 = 1e-3;
 const ROUNDED: f64 = 0.101;
 /// Most kinds of images in a series; with more, none is left out.
 const MOST_GROUPS: usize = 16;
-/// Most files named in a message.
-const NAMED: usize = 4;
 
 /// File of a series.
 pub(super) struct Member {
@@ -251,10 +249,9 @@ pub(super) fn without_others(source: &Source, members: Vec<Member>) -> Vec<Membe
     let is_own = |index: &usize| largest.binary_search(index).is_ok();
     let others: Vec<String> =
         (0..members.len()).filter(|index| !is_own(index)).map(|index| members[index].name()).collect();
-    let more = if others.len() > NAMED { ", ..." } else { "" };
-    let named = others[..others.len().min(NAMED)].join(", ");
+    let named = first_few(&others, ", ");
     let text = "of another size or orientation than the other slices, and left out";
-    source.note(format!("{} of its {} pictures ({named}{more}): {text}", others.len(), members.len()));
+    source.note(format!("{} of its {} pictures ({named}): {text}", others.len(), members.len()));
     let own = members.into_iter().enumerate().filter(|(index, _)| is_own(index));
     own.map(|(_, member)| member).collect()
 }
