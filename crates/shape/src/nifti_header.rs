@@ -175,7 +175,7 @@ impl<'s, 'a> Header<'s, 'a> {
     pub fn offset(&self) -> Result<u64, ShapeError> {
         let at = self.layout.offset;
         let offset = if self.layout.is_wide { self.integer(at, 8) as f64 } else { self.number(at) };
-        // 4 bytes after the header tell of extensions.
+        // 4 bytes after the header flag extensions.
         let least = if self.is_pair() { 0 } else { self.layout.bytes + 4 };
         if offset == 0.0 && least > 0 {
             self.source.note(format!("vox_offset is 0: its data is read right after the header, from byte {least}"));
