@@ -126,7 +126,7 @@ fn distances_that_say_nothing_are_1_and_those_below_0_run_backwards() {
     let (found, note) =
         volume("a.nrrd", &nrrd(&format!("{NRRD}\nencoding: raw\nspacings: NaN 2 nan\naxis mins: NaN 1 0"), &data()));
     assert_eq!((found.spacing(), found.origin), (Vec3::new(1.0, 2.0, 1.0), Vec3::new(0.0, 1.0, 0.0)));
-    assert!(note.contains("spacings is NaN 2 NaN: 1 is taken where it says nothing"), "{note}");
+    assert!(note.contains("spacings is NaN 2 NaN: 1 is used where it is unknown"), "{note}");
     let (found, note) = volume("a.nrrd", &nrrd(&format!("{NRRD}\nencoding: raw\nspacings: 1 2 -3"), &data()));
     assert_eq!((found.origin, found.values[0], found.values[40]), (Vec3::new(0.0, 0.0, -6.0), 40.0, 0.0));
     assert!(note.contains("run backwards"), "{note}");
@@ -135,11 +135,11 @@ fn distances_that_say_nothing_are_1_and_those_below_0_run_backwards() {
     assert_eq!(note, "ElementSpacing is below 0: these axes run backwards, as ITK reads it");
     let (found, note) = volume("a.mha", &meta(&format!("{META}\nElementSpacing = 1 nan 2"), &data()));
     assert_eq!(found.spacing(), Vec3::new(1.0, 1.0, 2.0));
-    assert_eq!(note, "ElementSpacing is 1 NaN 2: 1 is taken where it says nothing");
+    assert_eq!(note, "ElementSpacing is 1 NaN 2: 1 is used where it is unknown");
     for (pixdim, spacing, said) in [
-        ([1.0, 0.0, f32::NAN, 2.0], Vec3::new(1.0, 1.0, 2.0), "pixdim is 0 NaN 2: 1 is taken where it says nothing"),
-        ([0.0; 4], Vec3::ONE, "pixdim is 0 0 0: 1 is taken where it says nothing"),
-        ([1.0, 0.5, -1.0, 2.0], Vec3::new(0.5, 1.0, 2.0), "pixdim is 0.5 -1 2: their magnitudes are taken"),
+        ([1.0, 0.0, f32::NAN, 2.0], Vec3::new(1.0, 1.0, 2.0), "pixdim is 0 NaN 2: 1 is used where it is unknown"),
+        ([0.0; 4], Vec3::ONE, "pixdim is 0 0 0: 1 is used where it is unknown"),
+        ([1.0, 0.5, -1.0, 2.0], Vec3::new(0.5, 1.0, 2.0), "pixdim is 0.5 -1 2: their magnitudes are used"),
     ] {
         let bytes = nifti(352.0, &[(76, &pixdim.map(f32::to_le_bytes).concat())], &data());
         let (found, note) = volume("a.nii", &bytes);
@@ -182,7 +182,7 @@ fn hexadecimal_digits_are_bytes() {
     let whole = digits(&data());
     for (text, said) in [
         (whole[..whole.len() - 1].to_string(), "an odd number of digits"),
-        (whole.replace("0a", "0g"), "a character that is no hexadecimal digit"),
+        (whole.replace("0a", "0g"), "a character that is not a hexadecimal digit"),
         (
             whole[..whole.len() - 2].to_string(),
             "declares 60 bytes of data (4 x 5 x 3 voxels of 1 bytes), the file holds 59",
@@ -208,7 +208,7 @@ fn zeros_behind_packed_data_are_left_out_and_other_bytes_are_damage() {
         for zeros in [0, 1, 512, 100_000] {
             let (found, note) = volume(name, &make(&vec![0; zeros]));
             assert_eq!(found.values, values());
-            let said = format!("{zeros} zeros behind the packed data are left out");
+            let said = format!("{zeros} zeros after the compressed data are left out");
             assert_eq!(note, if zeros == 0 { String::new() } else { said });
         }
         for behind in [&b"junk"[..], &[0, 0, 0, 1], &gzip(&[0; 10])[..5], &bzip2(&[0; 10])[..5]] {
@@ -218,7 +218,7 @@ fn zeros_behind_packed_data_are_left_out_and_other_bytes_are_damage() {
     }
     let header = format!("{META}\nCompressedData = True");
     let (found, note) = volume("a.mha", &meta(&header, &[zlib(&data()), vec![0; 9]].concat()));
-    assert_eq!((found.values, &*note), (values(), "9 zeros behind the packed data are left out"));
+    assert_eq!((found.values, &*note), (values(), "9 zeros after the compressed data are left out"));
 }
 
 #[test]
@@ -226,19 +226,19 @@ fn gzip_and_zlib_stand_for_each_other() {
     let header = format!("{META}\nCompressedData = True");
     let (found, note) = volume("a.mha", &meta(&header, &gzip(&data())));
     assert_eq!(found.values, values());
-    assert_eq!(note, "its data is packed by gzip, which the header does not say, and is read so");
+    assert_eq!(note, "its data is compressed by gzip, contrary to the header");
     let (found, note) = volume("a.nrrd", &nrrd(&format!("{NRRD}\nencoding: gzip"), &zlib(&data())));
     assert_eq!(found.values, values());
-    assert_eq!(note, "its data is packed by zlib, which the header does not say, and is read so");
+    assert_eq!(note, "its data is compressed by zlib, contrary to the header");
 }
 
 #[test]
 fn a_slope_that_is_no_number_and_an_offset_of_0_are_none() {
     let nan = f32::NAN.to_le_bytes();
     let (found, note) = volume("a.nii", &nifti(352.0, &[(112, &nan)], &data()));
-    assert_eq!((found.values, &*note), (values(), "scl_slope is NaN: its values are taken as they are stored"));
+    assert_eq!((found.values, &*note), (values(), "scl_slope is NaN: its values are read unscaled"));
     let (found, note) = volume("a.nii", &nifti(352.0, &[(112, &2f32.to_le_bytes()), (116, &nan)], &data()));
-    assert_eq!((found.values[59], &*note), (118.0, "scl_inter is NaN: 0 is taken"));
+    assert_eq!((found.values[59], &*note), (118.0, "scl_inter is NaN: 0 is used"));
     for text in ["nan", ""] {
         let desk = series(LITTLE, |file, _| file.text(0x0028_1053, b"DS", text));
         let (found, note) = noted(Opened::of(&desk.folder()).unwrap());
@@ -247,7 +247,7 @@ fn a_slope_that_is_no_number_and_an_offset_of_0_are_none() {
     }
     let (found, note) = volume("a.nii", &nifti(0.0, &[], &data()));
     assert_eq!(found.values, values());
-    assert_eq!(note, "vox_offset is 0: its data is taken to be right behind the header, from byte 352");
+    assert_eq!(note, "vox_offset is 0: its data is read right after the header, from byte 352");
 }
 
 #[test]
@@ -275,7 +275,7 @@ fn a_pair_of_analyze_stands_as_its_orientation_says() {
             let place = axes[0] * 3.0 * 0.5 + axes[1] + axes[2] * 2.0 * 2.0;
             assert_eq!(found.sample(place.as_vec3()), Some(3.0 + 4.0 + 40.0), "{code}");
             assert!(
-                note.starts_with("Analyze 7.5 says no place") && note.ends_with(&format!("(orientation {code})")),
+                note.starts_with("Analyze 7.5 has no origin") && note.ends_with(&format!("(orientation {code})")),
                 "{note}"
             );
         }

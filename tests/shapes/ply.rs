@@ -182,7 +182,7 @@ fn faces_without_three_corners_and_what_is_behind_the_last_one_are_left_out_with
         assert_eq!(notes(&bytes), ["faces and strips of fewer than 3 corners are left out: 2"], "{name}");
         let tailed = [&good[..], b"more"].concat();
         let more = if encoding == Encoding::Text { " more" } else { "more" }.len();
-        assert_eq!(notes(&tailed), [format!("bytes behind the last element are left out: {more}")], "{name}");
+        assert_eq!(notes(&tailed), [format!("bytes after the last element are left out: {more}")], "{name}");
         assert_eq!(notes(&good), [""; 0]);
     }
     assert_eq!(

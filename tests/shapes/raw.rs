@@ -87,7 +87,7 @@ fn a_layout_that_the_file_does_not_fit_to_is_refused() {
         (sized([1 << 15, 1 << 15, 2]), "declares 2147483648 bytes"),
         (RawLayout { kind: SampleType::U16, ..LAYOUT }, "declares 120 bytes"),
         (RawLayout { skip: Some(1), ..LAYOUT }, "byte 1: the header declares 60 bytes"),
-        (RawLayout { skip: Some(u64::MAX), ..LAYOUT }, "behind 18446744073709551615 bytes), the file holds 60"),
+        (RawLayout { skip: Some(u64::MAX), ..LAYOUT }, "after 18446744073709551615 bytes), the file holds 60"),
         (RawLayout { skip: None, ..sized([4, 5, 4]) }, "declares 80 bytes"),
         (spaced([1.0, 0.0, 1.0]), "layout: expected distances between samples from 1.2e-38 to 1e18, found `1 0 1`"),
         (spaced([1.0, -1.0, 1.0]), "found `1 -1 1`"),
@@ -112,7 +112,7 @@ fn a_layout_that_the_file_does_not_fit_to_is_refused() {
 
 #[test]
 fn without_a_layout_the_flags_are_named_and_what_the_file_may_be() {
-    let remedy = "nothing says what they are{}; `hypertexture convert` makes a volume of it by --dims X,Y,Z --type uint16 (uint8, int8, uint16, int16, uint32, int32, uint64, int64, float32 or float64)";
+    let remedy = "without a layout{}; `hypertexture convert` reads it with --dims X,Y,Z --type uint16 (uint8, int8, uint16, int16, uint32, int32, uint64, int64, float32 or float64)";
     for (bytes, guess) in [
         (16 * 16 * 16, " (16 x 16 x 16 of uint8?)"),
         (2 * 17 * 17 * 17, " (17 x 17 x 17 of uint16?)"),
@@ -121,7 +121,7 @@ fn without_a_layout_the_flags_are_named_and_what_the_file_may_be() {
         (1, ""),
     ] {
         let line = read("scan.raw", &vec![0; bytes]).unwrap_err().to_string();
-        assert_eq!(line, format!("scan.raw: {bytes} bytes of bare values, and {}", remedy.replace("{}", guess)));
+        assert_eq!(line, format!("scan.raw: {bytes} bytes of raw values {}", remedy.replace("{}", guess)));
     }
     let path = desk().write(&[0; 27]);
     assert!(open(&path).is_err());

@@ -291,8 +291,8 @@ fn values_without_a_class_are_a_density_or_distances() {
         (volume(Ok(opened.shape)).content, opened.notes.join("; "))
     };
     let (content, note) = of(0.0, &|at| ball(at).map(f32::abs));
-    assert_eq!((content, &*note), (Content::Scalar, "its grid `a` says no class: its values are taken for a density"));
+    assert_eq!((content, &*note), (Content::Scalar, "its grid `a` has no class: its values are read as a density"));
     let (content, note) = of(9.0, &ball);
     assert_eq!(content, Content::LevelSet);
-    assert!(note.contains("are taken for distances, negative inside"), "{note}");
+    assert!(note.contains("are read as distances, negative inside"), "{note}");
 }

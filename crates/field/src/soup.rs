@@ -21,7 +21,7 @@ pub(super) struct Soup {
 impl Soup {
     /// Welds, turns and measures the triangles of `mesh`; every corner index is in range.
     pub(super) fn new(mesh: &Mesh, local: &Local) -> Soup {
-        let wound = mesh.wound();
+        let wound = mesh.oriented();
         let positions: Vec<Vec3> = wound.places.par_iter().map(|place| local.of_world(*place)).collect();
         let (mut open_edges, mut rim) = (0, Vec::new());
         for edge in wound.uses.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {

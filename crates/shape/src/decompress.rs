@@ -54,7 +54,7 @@ impl<'a, R: BufRead> Decompressor<'a, R> {
             match rest.get(zeros) {
                 Some(byte) if Some(*byte) == mark && self.padding.get() == 0 && zeros == 0 => break,
                 Some(_) if mark.is_none() => return Ok(None),
-                Some(_) => return Err(io::Error::new(ErrorKind::InvalidData, "other data behind its end")),
+                Some(_) => return Err(io::Error::new(ErrorKind::InvalidData, "other data after its end")),
                 None if zeros == 0 => return Ok(None),
                 None => {
                     reader.consume(zeros);
@@ -113,7 +113,7 @@ impl<R: BufRead> Hex<R> {
                 continue;
             }
             let digit = char::from(byte).to_digit(16);
-            let wrong = || io::Error::new(ErrorKind::InvalidData, "a character that is no hexadecimal digit");
+            let wrong = || io::Error::new(ErrorKind::InvalidData, "a character that is not a hexadecimal digit");
             return digit.map(|digit| Some(digit as u8)).ok_or_else(wrong);
         }
     }

@@ -4,7 +4,7 @@
 //! number of at least one half, in either direction.
 
 use super::mesh::Components;
-use super::wound::Wound;
+use super::orientation::OrientedMesh;
 use super::{Bounds, Mesh};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -44,9 +44,9 @@ impl Mesh {
 
     /// Enclosed solid, after duplicate triangles are dropped and inconsistent ones reversed.
     pub fn enclosed(&self) -> Enclosed {
-        let (wound, bounds) = (self.wound(), self.bounds());
-        let is_closed = wound.uses.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)).all(|edge| edge.len() > 1);
-        let bodies = bodies(&wound, bounds.center().as_dvec3());
+        let (oriented, bounds) = (self.oriented(), self.bounds());
+        let is_closed = oriented.uses.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)).all(|edge| edge.len() > 1);
+        let bodies = bodies(&oriented, bounds.center().as_dvec3());
         let seen = |body: &Body| -> usize {
             bodies.iter().filter(|other| other.holds(body)).map(|other| other.triangles.len()).sum()
         };
@@ -59,23 +59,23 @@ impl Mesh {
         let area: f64 =
             bodies.iter().flat_map(|body| &body.triangles).map(|[a, b, c]| (b - a).cross(c - a).length()).sum();
         let is_nothing = volume.abs() <= FLAT * area * f64::from(bounds.size().max_element());
-        Enclosed { volume: if is_nothing { 0.0 } else { volume.abs() }, repeated: wound.repeated, is_nothing }
+        Enclosed { volume: if is_nothing { 0.0 } else { volume.abs() }, repeated: oriented.repeated, is_nothing }
     }
 }
 
 /// Components of a mesh; volumes are relative to `origin`.
-fn bodies(wound: &Wound, origin: DVec3) -> Vec<Body<'_>> {
-    let mut roots = Components::of(&wound.triangles, wound.places.len());
+fn bodies(oriented: &OrientedMesh, origin: DVec3) -> Vec<Body<'_>> {
+    let mut roots = Components::of(&oriented.triangles, oriented.places.len());
     let (mut numbers, mut bodies) = (HashMap::new(), Vec::<Body>::new());
-    for triangle in &wound.triangles {
-        let point = &wound.places[triangle[0] as usize];
+    for triangle in &oriented.triangles {
+        let point = &oriented.places[triangle[0] as usize];
         let number = *numbers.entry(roots.root(triangle[0])).or_insert_with(|| {
             let bounds = Bounds { min: *point, max: *point };
             bodies.push(Body { triangles: Vec::new(), volume: 0.0, bounds, point });
             bodies.len() - 1
         });
         let body = &mut bodies[number];
-        let corners = triangle.map(|corner| wound.places[corner as usize]);
+        let corners = triangle.map(|corner| oriented.places[corner as usize]);
         for corner in corners {
             (body.bounds.min, body.bounds.max) = (body.bounds.min.min(corner), body.bounds.max.max(corner));
         }

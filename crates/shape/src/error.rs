@@ -10,7 +10,7 @@ use support::words;
 /// Reason why a name or a file gives no [`Shape`](super::Shape).
 ///
 /// `file` is the path as the caller passed it, with control characters escaped, so that a message stays on one line.
-#[allow(missing_docs)] // the messages say what the fields are
+#[allow(missing_docs)] // the messages explain the fields
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShapeError {
@@ -22,7 +22,7 @@ pub enum ShapeError {
     #[error("a shape in memory: {what}: found {found}, needed {needed}")]
     Contents { what: String, found: String, needed: String },
     /// The object was never in a file.
-    #[error("{name}: this object was in the memory of the program that drew it; give a file of it as object.input")]
+    #[error("{name}: the object was in the memory of the program that rendered it; set object.input to a file")]
     InMemory { name: String },
     /// There is no file at this path.
     #[error("{file}: no such file; check the path, or use a built-in object: {}", BUILT_IN.join(", "))]
@@ -61,8 +61,8 @@ pub enum ShapeError {
     TooLarge { file: String, what: &'static str, found: String, limit: u64 },
     /// A file of raw values without a layout; `guess` is a likely layout, or empty.
     #[error(
-        "{file}: {bytes} bytes of bare values, and nothing says what they are{guess}; \
-        `hypertexture convert` makes a volume of it by --dims X,Y,Z --type uint16 (uint8, int8, uint16, int16, uint32, int32, uint64, int64, float32 or float64)"
+        "{file}: {bytes} bytes of raw values without a layout{guess}; \
+        `hypertexture convert` reads it with --dims X,Y,Z --type uint16 (uint8, int8, uint16, int16, uint32, int32, uint64, int64, float32 or float64)"
     )]
     NoLayout { file: String, bytes: u64, guess: String },
     /// A volume with no samples along some axis.
@@ -81,7 +81,7 @@ pub enum ShapeError {
     /// A coordinate so large that squared distances would overflow.
     #[error("{file}: {what} {index} (from 0) reaches {value:e}, the limit is {limit:e}; scale the object down")]
     CoordinateRange { file: String, what: &'static str, index: usize, value: f32, limit: f32 },
-    /// A mesh without a triangle of nonzero area; `holds` says what the file has instead.
+    /// A mesh without a triangle of nonzero area; `holds` describes its contents.
     #[error("{file}: no triangles ({holds}); a mesh needs at least 1 face, export it again")]
     NoTriangles { file: String, holds: String },
     /// Damaged compressed data, which begins at byte `offset`.
@@ -194,6 +194,13 @@ pub(super) fn quoted(bytes: &[u8]) -> String {
         shown.push_str("...");
     }
     format!("`{shown}`")
+}
+
+/// The first four names, for a message.
+pub(super) fn first_few(names: &[impl AsRef<str>], separator: &str) -> String {
+    let mut shown: Vec<&str> = names.iter().take(4).map(AsRef::as_ref).collect();
+    shown.extend((names.len() > 4).then_some("..."));
+    shown.join(separator)
 }
 
 /// A file name for a message, never cut.

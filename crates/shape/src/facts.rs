@@ -194,7 +194,7 @@ fn of_volume(volume: &Volume) -> Facts {
         isos => {
             let is_ct = AIR.contains(&low);
             let named = |iso: &f32| if is_ct { format!("{iso} ({})", boundary(*iso)) } else { iso.to_string() };
-            let units = if is_ct { "; the values are taken for Hounsfield units" } else { "" };
+            let units = if is_ct { "; the values are read as Hounsfield units" } else { "" };
             isos.iter().map(named).collect::<Vec<_>>().join(", ") + ": there the values change most" + units
         }
     };

@@ -160,7 +160,7 @@ fn turns(parts: &[Part]) -> Vec<Mat3> {
 }
 
 /// First-order signed distances to the parts in head units for a row of points, positive outside; lower bounds at blends.
-#[inline(always)] // into code for the vectors of this processor
+#[inline(always)] // for the vector instructions of this processor
 fn distances(x: [f32; LANES], [y, z]: [f32; 2], parts: &[Part], turns: &[Mat3]) -> [f32; LANES] {
     let (mut soft, mut own) = ([f32::MAX; LANES], [0.0; LANES]);
     for (part, turn) in parts.iter().zip(turns) {
@@ -196,7 +196,7 @@ struct Row<'a> {
 impl pulp::NullaryFnOnce for Row<'_> {
     type Output = ();
 
-    #[inline(always)] // as all that is called here
+    #[inline(always)] // like all callees
     fn call(self) {
         let Row { low, step, parts: [skin, bone], values } = self;
         let ramp = |distance: f32, samples: f32| (0.5 - 0.5 * distance / (samples * step)).clamp(0.0, 1.0);

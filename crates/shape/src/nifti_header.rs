@@ -175,15 +175,14 @@ impl<'s, 'a> Header<'s, 'a> {
     pub fn offset(&self) -> Result<u64, ShapeError> {
         let at = self.layout.offset;
         let offset = if self.layout.is_wide { self.integer(at, 8) as f64 } else { self.number(at) };
-        // 4 bytes after the header tell of extensions.
+        // 4 bytes after the header flag extensions.
         let least = if self.is_pair() { 0 } else { self.layout.bytes + 4 };
         if offset == 0.0 && least > 0 {
-            self.source
-                .note(format!("vox_offset is 0: its data is taken to be right behind the header, from byte {least}"));
+            self.source.note(format!("vox_offset is 0: its data is read right after the header, from byte {least}"));
             return Ok(least as u64);
         }
         if offset.fract() != 0.0 || !(least as f64..=MAX_UNPACKED_SKIP as f64).contains(&offset) {
-            let expected = "a vox_offset of whole bytes behind the header (352, for NIfTI-2 544, or more, up to 2^28)";
+            let expected = "a vox_offset of whole bytes after the header (352, for NIfTI-2 544, or more, up to 2^28)";
             return Err(self.malformed(at, expected, offset.to_string()));
         }
         Ok(offset as u64)
@@ -280,13 +279,13 @@ impl<'s, 'a> Header<'s, 'a> {
             return Ok(None);
         }
         if slope.is_nan() {
-            self.source.note("scl_slope is NaN: its values are taken as they are stored".into());
+            self.source.note("scl_slope is NaN: its values are read unscaled".into());
             return Ok(None);
         }
         let rest = match rest {
             _ if self.is_analyze => 0.0, // SPM writes a factor alone
             rest if rest.is_nan() => {
-                self.source.note("scl_inter is NaN: 0 is taken".into());
+                self.source.note("scl_inter is NaN: 0 is used".into());
                 0.0
             }
             rest => rest,
@@ -314,7 +313,7 @@ impl<'s, 'a> Header<'s, 'a> {
             let [side, sizes @ ..]: [f64; 4] = self.numbers(layout.pixdim);
             let sizes = or_usual(self.source, "pixdim", sizes, 0.0, 1.0);
             if sizes.min_element() < 0.0 {
-                let text = "their magnitudes are taken, directions are not in them";
+                let text = "their magnitudes are used";
                 self.source.note(format!("pixdim is {}: {text}", listed(&sizes.to_array())));
             }
             let sizes = DMat3::from_diagonal(sizes.abs());
@@ -343,7 +342,7 @@ impl<'s, 'a> Header<'s, 'a> {
             let found = code.to_string();
             return Err(self.malformed(ANALYZE_ORIENTATION, "an orientation of Analyze 7.5 from 0 to 5", found));
         };
-        let text = "Analyze 7.5 says no place: the first sample is taken to be at 0, and the axes to point to";
+        let text = "Analyze 7.5 has no origin: the first sample is put at 0, and the axes point to";
         self.source.note(format!("{text} {letters} (orientation {code})"));
         Ok(space)
     }

@@ -14,7 +14,7 @@ use super::{Content, SampleType, Shape};
 use glam::{DMat3, DVec3};
 use std::ops::RangeInclusive;
 
-/// Key of the key/value line that says what the values mean.
+/// Key of the key/value line with the meaning of the values.
 pub(super) const CONTENT_KEY: &str = "hypertexture content";
 /// Value of that line for [`Content::SignedDistance`].
 pub(super) const SIGNED_DISTANCE: &str = "signed distance";

@@ -6,7 +6,7 @@
 
 use super::error::{Location, ShapeError, quoted};
 use super::polygon::{self, triangulate};
-use super::source::{MAX_LINE, Source, number, tokens};
+use super::source::{MAX_LINE, Source, check_positions, number, tokens};
 use super::{MAX_TRIANGLES, Mesh, Shape};
 use glam::DVec3;
 
@@ -55,7 +55,7 @@ pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     if short.0 > 0 {
         source.note(format!("faces of fewer than 3 corners are left out: {}, the first in line {}", short.0, short.1));
     }
-    source.check_positions("vertices", &positions)?;
+    check_positions(&source.file, "vertices", &positions)?;
     let unread =
         foreign.map_or(String::new(), |(word, line)| format!("; {word} in line {line} is no statement of OBJ"));
     source.finish(Mesh::cleaned(&positions, triangles), format!("{} vertices and no face{unread}", positions.len()))

@@ -31,7 +31,7 @@ const FORMATS: &[Format] = &[
     Format { extensions: &["raw"], recognizes: |_, _| false, read: raw::refuse },
     Format { extensions: &["ply"], recognizes: ply::recognizes, read: ply::read },
     Format { extensions: &["stl"], recognizes: stl::recognizes, read: stl::read },
-    Format { extensions: &["obj"], recognizes: |_, _| false, read: obj::read }, // OBJ has no mark to know it by
+    Format { extensions: &["obj"], recognizes: |_, _| false, read: obj::read }, // OBJ has no signature
 ];
 
 /// Opens a built-in object or a file.

@@ -68,7 +68,7 @@ impl Placement {
         self.size.iter().map(|&n| u64::from(n)).product()
     }
 
-    /// An error where f32 cannot tell the samples apart, or where they would not mean what they should.
+    /// Checks that f32 resolves the samples, and that signed distances are on world axes.
     pub fn check(&self, file: &str) -> Result<(), ShapeError> {
         let unsupported =
             |what, found, remedy| Err(ShapeError::unsupported(file, Location::Header, what, found, remedy));

@@ -5,7 +5,7 @@
 
 use super::error::{Found, Location, ShapeError, quoted};
 use super::polygon::{self, triangulate};
-use super::source::{Source, number, tokens};
+use super::source::{Source, check_positions, number, tokens};
 use super::{MAX_TRIANGLES, Mesh, SampleType, Shape};
 use glam::DVec3;
 use std::io::Read;
@@ -205,7 +205,7 @@ impl Values<'_, '_> {
             }
         }
         if bytes > 0 {
-            self.source.note(format!("bytes behind the last element are left out: {bytes}"));
+            self.source.note(format!("bytes after the last element are left out: {bytes}"));
         }
     }
 
@@ -347,7 +347,7 @@ impl Parts {
                 return Err(polygon::too_large(source, place, own as usize));
             }
         }
-        source.check_positions("vertices", &self.positions)?;
+        check_positions(&source.file, "vertices", &self.positions)?;
         if short > 0 {
             source.note(format!("faces and strips of fewer than 3 corners are left out: {short}"));
         }

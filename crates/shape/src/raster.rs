@@ -94,13 +94,13 @@ impl Raster {
         let mut line = Vec::new();
         for _ in 0..data.lines {
             if !source.next_line(&mut line)? {
-                return Err(source.data_size(declared, format!("{what} behind {} lines", data.lines), Found::Bytes(0)));
+                return Err(source.data_size(declared, format!("{what} after {} lines", data.lines), Found::Bytes(0)));
             }
         }
         let left = source.remaining();
         let before = data.before.unwrap_or(left.saturating_sub(declared));
         if before > left {
-            return Err(source.data_size(declared, format!("{what} behind {before} bytes"), Found::Bytes(left)));
+            return Err(source.data_size(declared, format!("{what} after {before} bytes"), Found::Bytes(left)));
         }
         let (file, offset) = (source.file.clone(), source.offset);
         let failed = |decoded, reason| match self.compression {
@@ -158,7 +158,7 @@ impl Raster {
             Compression::Gzip if first & 0xf == ZLIB => (Compression::Zlib, "zlib"),
             compression => return Ok(compression),
         };
-        source.note(format!("its data is packed by {name}, which the header does not say, and is read so"));
+        source.note(format!("its data is compressed by {name}, contrary to the header"));
         Ok(found)
     }
 
@@ -204,7 +204,7 @@ impl Raster {
             values.push(number);
         }
         if next_word(source, &mut word)? {
-            let expected = "the end of the file behind the last number";
+            let expected = "the end of the file after the last number";
             return Err(source.malformed_here(expected, quoted(&word)));
         }
         Ok(())

@@ -1,15 +1,13 @@
 //! Raw files: volumes without a header.
 
-use super::error::{Location, ShapeError, quoted, shown, unreadable};
+use super::error::{Location, ShapeError, quoted};
 use super::placement::{self, Placement};
 use super::raster::{Compression, Data, Raster, sides};
 use super::source::Source;
 use super::space::Space;
 use super::{Content, SampleType, Shape};
 use glam::{DMat3, DVec3};
-use std::io::BufReader;
 use std::path::Path;
-use support::open as plain;
 
 /// Layout of a raw file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,10 +31,10 @@ pub struct RawLayout {
 /// # Errors
 /// Any [`ShapeError`], also for a layout that does not fit the length of the file.
 pub fn open_raw(path: &str, layout: &RawLayout) -> Result<Shape, ShapeError> {
-    let file = shown(path);
-    let (opened, len) = plain::open(Path::new(path), u64::MAX).map_err(|error| unreadable(file.clone(), error))?;
-    let mut reader = BufReader::new(opened);
-    let mut source = Source::new(file, len, None, &mut reader);
+    Source::with_file(Path::new(path), |source| read(source, layout))
+}
+
+fn read(source: &mut Source, layout: &RawLayout) -> Result<Shape, ShapeError> {
     let wrong = |expected, found: String| source.malformed_at(Location::Layout, expected, quoted(found.as_bytes()));
     if layout.size.contains(&0) {
         return Err(wrong("3 sizes of at least 1", sides(layout.size)));
@@ -51,7 +49,7 @@ pub fn open_raw(path: &str, layout: &RawLayout) -> Result<Shape, ShapeError> {
     let (kind, big_endian) = (layout.kind, layout.big_endian);
     let raster = Raster { kind, big_endian, compression: Compression::None, scale: None, placement };
     let data = Data { before: layout.skip, ..Data::HERE };
-    let shape = raster.read(&mut source, &data)?;
+    let shape = raster.read(source, &data)?;
     source.notes.take().iter().for_each(|note| log::warn!("{}: {note}", source.file));
     Ok(shape)
 }

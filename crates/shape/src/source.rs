@@ -3,7 +3,7 @@
 //! Role: lines and blocks with their place in the file, and checks shared by all formats. Invariant: no memory is allocated for
 //! a count that is only declared.
 
-use super::error::{Found, Location, ShapeError, quoted, shown};
+use super::error::{Found, Location, ShapeError, quoted, shown, unreadable};
 use super::{MAX_COORDINATE, MAX_TRIANGLES, Mesh, Shape};
 use glam::DVec3;
 use std::cell::RefCell;
@@ -61,6 +61,13 @@ impl<'a> Source<'a> {
         }
     }
 
+    /// Reads a file by its path.
+    pub fn with_file<T>(path: &Path, read: impl FnOnce(&mut Source) -> Result<T, ShapeError>) -> Result<T, ShapeError> {
+        let file = shown(&path.to_string_lossy());
+        let (opened, len) = open::open(path, u64::MAX).map_err(|error| unreadable(file.clone(), error))?;
+        read(&mut Source::new(file, len, None, &mut BufReader::new(opened)))
+    }
+
     /// Reads a data file in the folder of this file or below. Links may lead only into that folder or the current one.
     pub fn beside<T>(
         &self,
@@ -111,7 +118,7 @@ impl<'a> Source<'a> {
     /// Notes zero padding after compressed data.
     pub fn note_padding(&self, zeros: u64) {
         if zeros > 0 {
-            self.note(format!("{zeros} zeros behind the packed data are left out"));
+            self.note(format!("{zeros} zeros after the compressed data are left out"));
         }
     }
 
@@ -275,11 +282,6 @@ impl<'a> Source<'a> {
         let remedy = "it leads out of the folder, and out of the current one: put the file itself in its place, \
                   or run this in a folder that has both in it";
         ShapeError::unsupported(file, place, "the link", quoted(name.as_bytes()), remedy)
-    }
-
-    /// Checks that coordinates are finite and at most [`MAX_COORDINATE`].
-    pub fn check_positions(&self, what: &'static str, positions: &[impl Copy + Into<DVec3>]) -> Result<(), ShapeError> {
-        check_positions(&self.file, what, positions)
     }
 
     /// A cleaned mesh as a shape; an error with what the file `holds` instead if the mesh is empty.

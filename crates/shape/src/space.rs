@@ -74,7 +74,7 @@ pub(super) fn three_axes(source: &Source, sizes: &[u64], last: impl Fn(usize) ->
 pub(super) fn or_usual(source: &Source, name: &str, numbers: [f64; 3], unknown: f64, usual: f64) -> DVec3 {
     let is_unknown = |number: f64| number.is_nan() || number == unknown;
     if numbers.into_iter().any(is_unknown) {
-        source.note(format!("{name} is {}: {usual} is taken where it says nothing", listed(&numbers)));
+        source.note(format!("{name} is {}: {usual} is used where it is unknown", listed(&numbers)));
     }
     DVec3::from(numbers.map(|number| if is_unknown(number) { usual } else { number }))
 }

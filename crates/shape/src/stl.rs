@@ -5,7 +5,7 @@
 //! The crate stl_io loses all but the first solid of a text file.
 
 use super::error::{Found, ShapeError};
-use super::source::{Source, number, tokens};
+use super::source::{Source, check_positions, number, tokens};
 use super::{MAX_TRIANGLES, Mesh, Shape};
 use glam::{DVec3, Vec3};
 
@@ -35,7 +35,7 @@ pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
 }
 
 fn finish(source: &Source, corners: &[impl Copy + Into<DVec3>]) -> Result<Shape, ShapeError> {
-    source.check_positions("triangle corners", corners)?;
+    check_positions(&source.file, "triangle corners", corners)?;
     source.finish(Mesh::of_corners(corners), "no facet, or a count of 0 in a binary header")
 }
 
@@ -78,7 +78,7 @@ fn binary(source: &mut Source) -> Result<Vec<Vec3>, ShapeError> {
     let is_attributed = more > 0 && end == Some(bytes.len());
     match is_attributed {
         true => source.note(format!("attributes of triangles are left out: {more} bytes")),
-        false if more > 0 => source.note(format!("bytes behind the last triangle are left out: {more}")),
+        false if more > 0 => source.note(format!("bytes after the last triangle are left out: {more}")),
         false => {}
     }
     let (mut corners, mut at) = (Vec::with_capacity(3 * count as usize), 0);
@@ -138,8 +138,8 @@ fn text(source: &mut Source) -> Result<Vec<DVec3>, ShapeError> {
     unended += u64::from(in_solid);
     for (count, text) in [
         (short, "facets of fewer than 3 corners are left out"),
-        (unended, "solids without `endsolid` are taken as whole"),
-        (between, "lines behind `endsolid` are left out"),
+        (unended, "solids without `endsolid` are read as complete"),
+        (between, "lines after `endsolid` are left out"),
     ] {
         if count > 0 {
             source.note(format!("{text}: {count}"));
@@ -244,7 +244,7 @@ mod tests {
         assert!(error(cut.as_bytes()).to_string().contains("expected `endloop`, found the end of the file"));
     }
 
-    /// Reads the square, and says what is noted.
+    /// Notes of the reader about a square.
     fn square_noted(bytes: &[u8]) -> Vec<String> {
         assert_square(bytes);
         read_noted("test.stl", bytes).unwrap().notes
@@ -254,11 +254,11 @@ mod tests {
     fn what_is_beside_the_triangles_is_left_out_with_a_line() {
         let good = binary_square(b"made by hand");
         let tailed = [&good[..], &[7; 92]].concat();
-        assert_eq!(square_noted(&tailed), ["bytes behind the last triangle are left out: 92"]);
-        // A color in the last two bytes is no count of attributes.
+        assert_eq!(square_noted(&tailed), ["bytes after the last triangle are left out: 92"]);
+        // A color in the last two bytes must not pass for the length of attributes.
         let mut colored = tailed.clone();
         colored[84 + 48..84 + 50].copy_from_slice(&0x7fff_u16.to_le_bytes());
-        assert_eq!(square_noted(&colored), ["bytes behind the last triangle are left out: 92"]);
+        assert_eq!(square_noted(&colored), ["bytes after the last triangle are left out: 92"]);
         let mut attributed = good[..84].to_vec();
         for (triangle, bytes) in good[84..].chunks(50).zip([3_u16, 300]) {
             attributed.extend_from_slice(&triangle[..48]);
@@ -269,10 +269,10 @@ mod tests {
 
         let text = text_square();
         let unended = &text[..text.find("endsolid").unwrap()];
-        assert_eq!(square_noted(unended.as_bytes()), ["solids without `endsolid` are taken as whole: 1"]);
+        assert_eq!(square_noted(unended.as_bytes()), ["solids without `endsolid` are read as complete: 1"]);
         let two = text.replacen(" endfacet\n\n", " endfacet\nsolid b\n", 1);
-        assert_eq!(square_noted(two.as_bytes()), ["solids without `endsolid` are taken as whole: 1"]);
-        assert_eq!(square_noted((text.clone() + "bye\n\0\n").as_bytes()), ["lines behind `endsolid` are left out: 2"]);
+        assert_eq!(square_noted(two.as_bytes()), ["solids without `endsolid` are read as complete: 1"]);
+        assert_eq!(square_noted((text.clone() + "bye\n\0\n").as_bytes()), ["lines after `endsolid` are left out: 2"]);
         let short = text.replace("endsolid a", "facet\nouter loop\nvertex 9 9 9\nendloop\nendfacet\nendsolid a");
         assert_eq!(square_noted(short.as_bytes()), ["facets of fewer than 3 corners are left out: 1"]);
     }

@@ -82,7 +82,7 @@ fn open_loops(mesh: &Mesh) -> Vec<Vec<[u32; 2]>> {
         }
     }
     let mut single: Vec<(u32, u32)> = single.into_iter().collect();
-    single.sort_unstable(); // a set has them in another order each time
+    single.sort_unstable(); // the order of a set is random
     let mut next: BTreeMap<u32, u32> = single.into_iter().collect();
     let mut loops = Vec::new();
     while let Some((&start, _)) = next.first_key_value() {

@@ -165,7 +165,7 @@ mod tests {
 
     #[test]
     fn a_grid_that_is_turned_and_sheared_has_the_same_values_in_the_world() {
-        // What is linear is so along every axis.
+        // A linear function is linear along every axis.
         let f = |p: Vec3| 1.0 + 2.0 * p.x - 3.0 * p.y + 0.5 * p.z;
         for turn in [
             Mat3::from_axis_angle(Vec3::new(0.6, 0.0, 0.8), 1.1),

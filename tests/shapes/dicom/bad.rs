@@ -88,8 +88,8 @@ fn bad() -> Vec<(Vec<u8>, &'static str)> {
     all.push((with(&deep(17)), "at most 16 sequences inside each other, found more"));
     all.push((with(&deep(100_000)), "at most 16 sequences inside each other, found more"));
     for (bytes, said) in [
-        (LITTLE.head(ITEM, b"  ", 0), "items in sequences and their ends behind them"),
-        (LITTLE.head(0xfffe_e0dd, b"  ", 0), "items in sequences and their ends behind them"),
+        (LITTLE.head(ITEM, b"  ", 0), "items in sequences, and their ends after them"),
+        (LITTLE.head(0xfffe_e0dd, b"  ", 0), "items in sequences, and their ends after them"),
         (LITTLE.head(0x0029_0010, b"l\xff", 0), "the two letters of a type"),
         (LITTLE.head(0x0029_0010, b"OB", 1 << 30), "the header declares 1073741824 bytes of data"),
         (LITTLE.head(0x0028_0030, b"UN", 5000), "a value of at most 1024 bytes, found (0028,0030) of 5000 bytes"),

@@ -46,7 +46,7 @@ fn a_binary_file_that_is_cut_or_whose_lengths_lie_is_refused() {
     }
     assert!(error(&glb(&document(), &[])).contains("buffers[0].uri: expected the location of its data"));
     let tailed = read_noted("a.glb", &[&good[..], b"some more"].concat()).unwrap();
-    assert_eq!(tailed.notes, ["bytes behind the declared end of the file are left out: 9"]);
+    assert_eq!(tailed.notes, ["bytes after the declared end of the file are left out: 9"]);
     assert!(matches!(tailed.shape, Shape::Mesh(mesh) if mesh.triangles.len() == 4));
 }
 

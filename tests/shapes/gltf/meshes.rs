@@ -280,7 +280,7 @@ fn what_is_left_out_of_the_geometry_is_noted_and_the_rest_is_not() {
     let expected = [
         "primitives of points or lines are left out: 4",
         "primitives without positions are left out: 1",
-        "corners that make no whole triangle are left out: 4",
+        "corners of incomplete triangles are left out: 4",
         "skins are not applied, their meshes stand where their nodes put them: 1",
         "morph targets are not applied, their meshes keep their base shape: 1",
         "hidden nodes are left out, with all below them: 1",

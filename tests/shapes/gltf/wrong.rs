@@ -130,7 +130,7 @@ fn wrong_values() -> Vec<Wrong> {
         ("/accessors/1/componentType", json!(5122), "accessors[1].componentType: expected 5121, 5123 or 5125"),
         ("/accessors/1/componentType", json!(5125), "accessors[1].count: expected as many elements"),
         ("/accessors/1/byteOffset", json!(3), "accessors[1].byteOffset: expected a multiple of the size of a number"),
-        ("/accessors/1/count", json!(2), "no triangles (corners that make no whole triangle are left out: 2)"),
+        ("/accessors/1/count", json!(2), "no triangles (corners of incomplete triangles are left out: 2)"),
         ("/accessors/1/normalized", json!(1), "accessors[1].normalized: expected a value of the glTF"),
         ("/bufferViews/0/buffer", json!(1), "bufferViews[0].buffer: expected the index of"),
         (

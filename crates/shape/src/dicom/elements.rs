@@ -70,7 +70,7 @@ impl<'s, 'a> Elements<'s, 'a> {
         Elements { source, has_table: false, syntax, open: Vec::new() }
     }
 
-    /// Next element that is no sequence, at the top level or in the functional groups; `None` at the end of the file.
+    /// Next element other than a sequence, at the top level or in the functional groups; `None` at the end of the file.
     pub fn next(&mut self) -> Result<Option<Element>, ShapeError> {
         loop {
             while let Some(end) = self.open.last().and_then(|open| open.end)
@@ -92,7 +92,7 @@ impl<'s, 'a> Elements<'s, 'a> {
                 ITEM_END if self.ends(|tag| tag == ITEM) => drop(self.open.pop()),
                 SEQUENCE_END if self.ends(|tag| tag != ITEM) => drop(self.open.pop()),
                 ITEM | ITEM_END | SEQUENCE_END => {
-                    return Err(self.wrong("items in sequences and their ends behind them", "another order".into()));
+                    return Err(self.wrong("items in sequences, and their ends after them", "another order".into()));
                 }
                 tag if in_sequence => return Err(self.wrong("an item in a sequence", shown(tag))),
                 PIXELS if self.open.is_empty() => return Ok(Some(head)),

@@ -104,7 +104,7 @@ fn known(elements: &mut Elements, head: &Element, expected: &'static str) -> Res
         Ok(number) if f64::is_finite(number) => Ok(Some(number)),
         Ok(number) if f64::is_nan(number) => {
             let name = expected.split(' ').next().unwrap_or_default();
-            elements.source.note(format!("{name} is NaN: values are taken as without it"));
+            elements.source.note(format!("{name} is NaN: it is ignored"));
             Ok(None)
         }
         _ if text.is_empty() => Ok(None),

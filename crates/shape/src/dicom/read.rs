@@ -9,17 +9,15 @@ use super::header::{MARK, MARK_AT};
 use super::image::{Image, MAX_FRAMES};
 use super::series::{Layout, Member, layout, without_others};
 use crate::Shape;
-use crate::error::{Location, ShapeError, shown, unreadable};
+use crate::error::{Location, ShapeError, first_few, shown};
 use crate::source::Source;
 use std::fs;
-use std::io::{self, BufReader};
+use std::io;
 use std::path::{Path, PathBuf};
-use support::open::{self, Home};
+use support::open::Home;
 
 /// Most files of a folder: five times the slices of a whole body.
 const MAX_FILES: usize = 10_000;
-/// Most series named in a message.
-const NAMED: usize = 4;
 
 /// Whether the file has the prefix of DICOM after 128 bytes.
 pub(crate) fn recognizes(start: &[u8], _len: u64) -> bool {
@@ -73,8 +71,7 @@ fn folder_series(source: &Source, folder: &Path) -> Result<Shape, ShapeError> {
     }
     let all: Vec<String> =
         series.iter().map(|(first, files)| format!("{} and {} more", first.name(), files - 1)).collect();
-    let more = if all.len() > NAMED { "; ..." } else { "" };
-    let found = format!("{} series ({}{more})", all.len(), all[..all.len().min(NAMED)].join("; "));
+    let found = format!("{} series ({})", all.len(), first_few(&all, "; "));
     let remedy = "name a file of the one that you want, all of its slices are read then";
     Err(ShapeError::unsupported(name, Location::Folder, "a folder of", found, remedy))
 }
@@ -102,7 +99,7 @@ fn members(name: &str, folder: &Path) -> Result<Vec<Member>, ShapeError> {
     paths.sort();
     let (mut members, mut frames) = (Vec::new(), 0);
     for path in paths {
-        let image = with_file(&path, |source| {
+        let image = Source::with_file(&path, |source| {
             let is_dicom = recognizes(source.peek()?, 0);
             is_dicom.then(|| Image::read(source)).transpose()
         })?;
@@ -130,7 +127,7 @@ fn joined(source: &Source, members: Vec<Member>) -> Result<Shape, ShapeError> {
     let Layout { placement, slices } = layout(source, members)?;
     let mut values = placement.filled(name, 0.0)?;
     for (member, slices) in members.iter().zip(&slices) {
-        with_file(&member.path, |part| {
+        Source::with_file(&member.path, |part| {
             let image = Image::read(part)?;
             if image != member.image {
                 let found = "another one than before".into();
@@ -142,13 +139,6 @@ fn joined(source: &Source, members: Vec<Member>) -> Result<Shape, ShapeError> {
         })?;
     }
     placement.volume(source, values).map(Shape::Volume)
-}
-
-fn with_file<T>(path: &Path, read: impl FnOnce(&mut Source) -> Result<T, ShapeError>) -> Result<T, ShapeError> {
-    let file = shown(&path.to_string_lossy());
-    let (opened, len) = open::open(path, u64::MAX).map_err(|error| unreadable(file.clone(), error))?;
-    let mut reader = BufReader::new(opened);
-    read(&mut Source::new(file, len, None, &mut reader))
 }
 
 /// Reads the frames of an image, whose pixels are next in the source, into their slices.

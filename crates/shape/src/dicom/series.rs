@@ -6,7 +6,7 @@
 use super::image::{Frame, Image};
 use crate::Content;
 use crate::axes::lengths;
-use crate::error::{Location, ShapeError, quoted};
+use crate::error::{Location, ShapeError, first_few, quoted};
 use crate::placement::{self, Placement};
 use crate::source::Source;
 use crate::space::Space;
@@ -21,8 +21,6 @@ const TURN: f64 = 1e-3;
 const ROUNDED: f64 = 0.101;
 /// Most kinds of images in a series; with more, none is left out.
 const MOST_GROUPS: usize = 16;
-/// Most files named in a message.
-const NAMED: usize = 4;
 
 /// File of a series.
 pub(super) struct Member {
@@ -206,7 +204,7 @@ fn line(source: &Source, slices: &[Slice], name: &dyn Fn(&Slice) -> String) -> R
     }
     let text = "the positions of its slices are rounded, by up to";
     source.note(format!(
-        "{text} {} mm: even distances of {} mm are taken",
+        "{text} {} mm: even distances of {} mm are used",
         shown_mm(farthest(fitted).0),
         shown_mm(fitted.1.length())
     ));
@@ -251,10 +249,9 @@ pub(super) fn without_others(source: &Source, members: Vec<Member>) -> Vec<Membe
     let is_own = |index: &usize| largest.binary_search(index).is_ok();
     let others: Vec<String> =
         (0..members.len()).filter(|index| !is_own(index)).map(|index| members[index].name()).collect();
-    let more = if others.len() > NAMED { ", ..." } else { "" };
-    let named = others[..others.len().min(NAMED)].join(", ");
+    let named = first_few(&others, ", ");
     let text = "of another size or orientation than the other slices, and left out";
-    source.note(format!("{} of its {} pictures ({named}{more}): {text}", others.len(), members.len()));
+    source.note(format!("{} of its {} pictures ({named}): {text}", others.len(), members.len()));
     let own = members.into_iter().enumerate().filter(|(index, _)| is_own(index));
     own.map(|(_, member)| member).collect()
 }

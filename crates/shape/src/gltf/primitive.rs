@@ -59,7 +59,7 @@ impl MeshPart {
         at: impl Fn(&str) -> String,
     ) -> Result<(), ShapeError> {
         let Some(position) = primitive.attributes.position else {
-            self.without_positions += 1; // to be ignored by the specification
+            self.without_positions += 1; // ignored, as the specification requires
             return Ok(());
         };
         let place = || at(".attributes.POSITION");

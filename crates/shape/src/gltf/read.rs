@@ -59,7 +59,7 @@ fn chunks(source: &mut Source) -> Result<(Vec<u8>, Option<Vec<u8>>), ShapeError>
         return Err(ShapeError::DataSize { file, offset: 0, declared, what: "the whole file".into(), found });
     }
     if declared < held {
-        source.note(format!("bytes behind the declared end of the file are left out: {}", held - declared));
+        source.note(format!("bytes after the declared end of the file are left out: {}", held - declared));
         source.len = declared;
     }
     let (kind, bytes) = chunk(source)?;

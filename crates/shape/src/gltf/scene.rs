@@ -6,7 +6,7 @@ use super::buffer::Data;
 use super::document::{Document, Node, entry, malformed};
 use super::primitive::MeshPart;
 use crate::error::ShapeError;
-use crate::source::Source;
+use crate::source::{Source, check_positions};
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 
 /// Tolerance of the length of a rotation: numbers of three digits.
@@ -95,7 +95,7 @@ pub fn read(data: &Data) -> Result<SceneMesh, ShapeError> {
         };
         (triangles, positions) = (triangles + part.triangles.len(), positions + part.positions.len());
         source.check_triangles(triangles as u64)?;
-        source.check_positions("vertices", &part.at(world).collect::<Vec<_>>())?;
+        check_positions(&source.file, "vertices", &part.at(world).collect::<Vec<_>>())?;
         shown.push((mesh, world));
         let left_out = [
             part.points_and_lines,
@@ -109,7 +109,7 @@ pub fn read(data: &Data) -> Result<SceneMesh, ShapeError> {
     let texts = [
         "primitives of points or lines are left out",
         "primitives without positions are left out",
-        "corners that make no whole triangle are left out",
+        "corners of incomplete triangles are left out",
         "skins are not applied, their meshes stand where their nodes put them",
         "morph targets are not applied, their meshes keep their base shape",
         "hidden nodes are left out, with all below them",

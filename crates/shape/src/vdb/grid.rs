@@ -101,7 +101,7 @@ impl Grid {
             let taken = if is_distance { "distances, negative inside" } else { "a density" };
             placement.content = if is_distance { Content::LevelSet } else { Content::Scalar };
             source.note(format!(
-                "its grid {} says no class: its values are taken for {taken}",
+                "its grid {} has no class: its values are read as {taken}",
                 quoted(about.name.as_bytes())
             ));
         }

@@ -8,14 +8,12 @@ use super::grid::Grid;
 use super::header::FileHeader;
 use super::metadata::{Descriptor, Metadata};
 use crate::Shape;
-use crate::error::{Location, ShapeError, quoted};
+use crate::error::{Location, ShapeError, first_few, quoted};
 use crate::source::Source;
 use support::memory;
 
 /// Conventional name of the grid of a fog volume.
 const DENSITY: &str = "density";
-/// Most grids named in a message.
-const NAMED: usize = 4;
 const REMEDY: &str = "a grid of floats or doubles of the class `level set` or `fog volume` is read: set its class";
 
 /// Bytes of a grid that is read if no better one follows.
@@ -67,7 +65,7 @@ fn select(source: &mut Source, header: &FileHeader) -> Result<Shape, ShapeError>
             },
             (_, None) if shape.is_some() => break, // without offsets the next grid cannot be found
             (_, None) if !is_last => {
-                let expected = "the offset of the end of a grid behind it";
+                let expected = "the offset of the end of a grid after it";
                 return Err(source.malformed_at(place, expected, end.to_string()));
             }
             _ => {}
@@ -92,7 +90,7 @@ fn select(source: &mut Source, header: &FileHeader) -> Result<Shape, ShapeError>
         }
         source.note(format!(
             "its grid {own} is read, left out: {} (--grid NAME or object.grid reads another)",
-            first_few(&others)
+            first_few(&others, ", ")
         ));
     }
     Ok(shape)
@@ -103,18 +101,13 @@ fn no_readable_grid(source: &Source) -> ShapeError {
     let all: Vec<&str> = source.grids.iter().map(|grid| &**grid).collect();
     let own = source.grid.as_deref().map(|grid| quoted(grid.as_bytes()));
     match own.map(|own| (all.iter().find(|grid| grid.starts_with(&own)), own)) {
-        Some((None, name)) => ShapeError::NoGrid { file: source.file.clone(), name, known: first_few(&all) },
+        Some((None, name)) => ShapeError::NoGrid { file: source.file.clone(), name, known: first_few(&all, ", ") },
         Some((Some(grid), _)) => source.unsupported(Location::Header, "the grid", *grid, REMEDY),
         None => {
-            let found = if all.is_empty() { "of no grids".into() } else { format!("of {}", first_few(&all)) };
+            let found = if all.is_empty() { "of no grids".into() } else { format!("of {}", first_few(&all, ", ")) };
             source.unsupported(Location::Header, "a file", found, REMEDY)
         }
     }
-}
-
-fn first_few(grids: &[&str]) -> String {
-    let more = if grids.len() > NAMED { ", ..." } else { "" };
-    format!("{}{more}", grids[..grids.len().min(NAMED)].join(", "))
 }
 
 impl Descriptor {

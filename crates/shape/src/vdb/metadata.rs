@@ -83,12 +83,12 @@ impl Metadata {
             match (&*key, &*kind) {
                 ("class", "string") => metadata.class = name(source, WHAT)?,
                 ("is_saved_as_half_float", "bool") => {
-                    metadata.is_half = source.array::<5>(WHAT)? != [1, 0, 0, 0, 0]; // its length, and 0
+                    metadata.is_half = source.array::<5>(WHAT)? != [1, 0, 0, 0, 0]; // length and value
                 }
                 (CONTENT, "string") => metadata.is_distance = name(source, WHAT)? == SIGNED_DISTANCE,
                 (key, "vec3i") if CORNERS.contains(&key) => {
                     let mut part = || source.array(WHAT).map(i32::from_le_bytes);
-                    let [_, x, y, z] = [part()?, part()?, part()?, part()?]; // behind its length
+                    let [_, x, y, z] = [part()?, part()?, part()?, part()?]; // after the length
                     metadata.corners[usize::from(key == CORNERS[1])] = Some(IVec3::new(x, y, z));
                 }
                 _ => {

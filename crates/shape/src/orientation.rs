@@ -12,7 +12,7 @@ use rayon::prelude::*;
 pub type EdgeUse = (u32, u32, u32, bool);
 
 /// Consistently oriented triangles.
-pub struct Wound {
+pub struct OrientedMesh {
     /// Distinct positions.
     pub places: Vec<Vec3>,
     /// Indices into `places`.
@@ -30,7 +30,7 @@ impl Mesh {
     /// edges of two triangles. Every index must be in range.
     ///
     /// A component in which each triangle has a duplicate of opposite winding is kept whole: it encloses nothing.
-    pub fn wound(&self) -> Wound {
+    pub fn oriented(&self) -> OrientedMesh {
         let (places, welded) = weld(&self.positions);
         let mut triangles: Vec<[u32; 3]> =
             self.triangles.par_iter().map(|triangle| triangle.map(|corner| welded[corner as usize])).collect();
@@ -47,7 +47,7 @@ impl Mesh {
         uses.par_iter_mut().for_each(|edge| edge.3 ^= turn[edge.2 as usize]);
         triangles.par_iter_mut().zip(&turn).filter(|(_, turn)| **turn).for_each(|(triangle, _)| triangle.swap(1, 2));
         let turned = turn.iter().filter(|turn| **turn).count();
-        Wound { places, triangles, uses, turned, repeated }
+        OrientedMesh { places, triangles, uses, turned, repeated }
     }
 }
 
