@@ -8,7 +8,7 @@ use super::cpu_inputs::CpuInputs;
 use super::shot::Shot;
 use super::view::View;
 use super::{OCTAVES_ID, PolygonizeError, RenderError, Subject};
-use crate::eval::{self, Device, ExactError, Interval, Sloped};
+use crate::eval::{self, Affine, ExactError, F32Interval, Interval};
 use crate::render::variant::Variant;
 use crate::scene::{Projection, Scene};
 use crate::shader::{Library, Linker};
@@ -51,9 +51,8 @@ impl DensityProgram {
         Ok(DensityProgram { code, inputs, view, library, variant, octaves, cpu_inputs })
     }
 
-    /// Bounds along segments in object space, each from one of these places to the next, which are a length apart: of the
-    /// density, and of how much it changes, divided by the distance.
-    fn between(&self, places: &[DVec3], length: f64) -> Result<Vec<Sloped>, PolygonizeError> {
+    /// Bounds of the density along segments in object space, each from one of these places to the next.
+    fn between(&self, places: &[DVec3]) -> Result<Vec<Interval>, PolygonizeError> {
         let (own, inputs) = match bounded(&self.variant, &self.library) {
             None => (None, self.inputs.clone()),
             Some((program, noise)) => {
@@ -67,12 +66,12 @@ impl DensityProgram {
         let bound = own.as_ref().unwrap_or(&self.code).bind(&inputs)?;
         let places = places.windows(2).map(|ends| {
             let [from, to] = [ends[0], ends[1]].map(|end| end.to_array());
-            let [x, y, z] = [0, 1, 2].map(|axis| Sloped::between(from[axis], to[axis], length));
+            let [x, y, z] = [0, 1, 2].map(|axis| Affine::between(from[axis], to[axis]));
             [x, y, z, eval::Number::new(0.0)]
         });
-        let lanes = eval::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places.collect())].into() };
-        let outputs = bound.run::<Sloped>(&lanes)?;
-        Ok(outputs[&0].iter().map(|[density, ..]| *density).collect())
+        let segments = eval::Invocations { fragment_coordinates: Vec::new(), varyings: [(0, places.collect())].into() };
+        let outputs = bound.run::<Affine>(&segments)?;
+        Ok(outputs[&0].iter().map(|[density, ..]| density.all).collect())
     }
 
     /// With what it reads.
@@ -92,20 +91,20 @@ impl Density<'_> {
     /// At places in object space.
     pub fn at(&self, places: &[DVec3]) -> Result<Vec<f64>, ExactError> {
         let places = places.iter().map(|place| [place.x, place.y, place.z, 0.0]).collect();
-        let lanes = eval::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places)].into() };
+        let lanes = eval::Invocations { fragment_coordinates: Vec::new(), varyings: [(0, places)].into() };
         let outputs = self.bound.run::<f64>(&lanes)?;
         Ok(outputs[&0].iter().map(|[density, ..]| *density).collect())
     }
 
     /// On which side boxes are: true where all is inside, false where nothing is.
     pub fn sides(&self, boxes: &[[DVec3; 2]]) -> Result<Vec<Option<bool>>, ExactError> {
-        let interval = |lo, hi| Device(Interval { lo, hi });
+        let interval = |lo, hi| F32Interval(Interval { lo, hi });
         let places = boxes.iter().map(|[low, high]| {
             let [x, y, z] = [0, 1, 2].map(|axis| interval(low[axis], high[axis]));
             [x, y, z, interval(0.0, 0.0)]
         });
-        let lanes = eval::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places.collect())].into() };
-        let outputs = self.bound.run::<Device>(&lanes)?;
+        let lanes = eval::Invocations { fragment_coordinates: Vec::new(), varyings: [(0, places.collect())].into() };
+        let outputs = self.bound.run::<F32Interval>(&lanes)?;
         let side = |density: Interval| match density {
             Interval { lo, .. } if lo >= self.level => Some(true),
             Interval { hi, .. } if hi < self.level => Some(false),
@@ -153,38 +152,10 @@ pub struct Along {
     pub density: f64,
     /// Bounds of the density from there to the next place; behind the last one, the density at it.
     pub range: [f64; 2],
-    /// Bounds of what the densities of two places from there to the next differ by, divided by their distance, per object
-    /// unit: from minus infinity to infinity where the density may jump.
-    pub slope: [f64; 2],
 }
 
 /// Noise has its constants in 32 bits, which bounds of it and its values in f64 round differently.
 const ROUNDED: f64 = 1e-6;
-
-impl Along {
-    /// Makes the range as narrow as the slope says: between two places the density leaves its values there no faster.
-    fn narrowed(self, next: &Along) -> Along {
-        let (length, [fall, rise]) = (next.depth - self.depth, self.slope);
-        let [from, to] = [self.density, next.density];
-        let least = |from: f64, to: f64, fall: f64, rise: f64| {
-            if fall >= 0.0 {
-                from
-            } else if rise <= 0.0 {
-                to
-            } else {
-                // It falls as fast as it may, and then rises as fast.
-                from + fall * ((from - to + length * rise) / (rise - fall)).clamp(0.0, length)
-            }
-        };
-        let range = [least(from, to, fall, rise), -least(-from, -to, -rise, -fall)];
-        if range.iter().any(|end| !end.is_finite()) {
-            return self;
-        }
-        let low = self.range[0].max(range[0] - ROUNDED).min(from).min(to);
-        let high = self.range[1].min(range[1] + ROUNDED).max(from).max(to);
-        Along { range: [low, high], ..self }
-    }
-}
 
 /// The density of a scene at its first moment along the ray through the middle of a pixel: at `places` equal distances from
 /// where the ray enters the box around the soft region to where it leaves it, and bounds between them, in which noise is taken
@@ -229,21 +200,15 @@ pub fn density_along(
     };
     let densities = all.iter().zip(found).map(|(place, density)| if kept(place) { density } else { 0.0 });
     let mut along: Vec<Along> = (depths.iter().zip(densities))
-        .map(|(depth, density)| Along { depth: depth * unit, density, range: [density; 2], slope: [0.0; 2] })
+        .map(|(depth, density)| Along { depth: depth * unit, density, range: [density; 2] })
         .collect();
-    let between = program.between(&all, step * unit)?;
-    for (index, Sloped { all: range, slope }) in between.into_iter().enumerate() {
-        let (range, slope) = ([range.lo - ROUNDED, range.hi + ROUNDED], [slope.lo, slope.hi]);
-        let part = match [index, index + 1].map(|end| kept(&all[end])) {
-            [true, true] => Along { range, slope, ..along[index] },
-            [false, false] => along[index],
-            // Cut off where the plane is.
-            _ => {
-                let range = [range[0].min(0.0), range[1].max(0.0)];
-                Along { range, slope: [f64::NEG_INFINITY, f64::INFINITY], ..along[index] }
-            }
+    for (index, range) in program.between(&all)?.into_iter().enumerate() {
+        let range = [range.lo - ROUNDED, range.hi + ROUNDED];
+        along[index].range = match [index, index + 1].map(|end| kept(&all[end])) {
+            [true, true] => range,
+            [false, false] => [0.0; 2],
+            _ => [range[0].min(0.0), range[1].max(0.0)],
         };
-        along[index] = part.narrowed(&along[index + 1]);
     }
     Ok(along)
 }

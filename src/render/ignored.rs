@@ -13,7 +13,7 @@ use super::sub_frame::SubFrame;
 use super::subject::{Recipe, Wanted, opened};
 use super::values::blocks;
 use super::{OCTAVES_ID, RenderError, Subject};
-use crate::eval::{self, Outline};
+use crate::eval::{self, Fingerprint};
 use crate::field::Key;
 use crate::noise::Period;
 use crate::render::variant::{Program, Variant};
@@ -141,7 +141,7 @@ struct Judge<'a> {
 /// A program, and what it does, where the evaluator covers it.
 struct Read {
     program: Program,
-    outline: Option<(eval::Program, Outline)>,
+    fingerprint: Option<(eval::Program, Fingerprint)>,
 }
 
 impl<'a> Judge<'a> {
@@ -269,8 +269,8 @@ impl<'a> Judge<'a> {
             let names: HashMap<u32, &str> =
                 read.program.resources.iter().map(|resource| (resource.binding, resource.name.as_str())).collect();
             let name = |binding: u32| names.get(&binding).copied().unwrap_or_default();
-            let pairs = match &read.outline {
-                Some((_, outline)) => outline.images.clone(),
+            let pairs = match &read.fingerprint {
+                Some((_, fingerprint)) => fingerprint.images.clone(),
                 None => {
                     read.program.resources.iter().map(|resource| (resource.binding, Some(resource.binding))).collect()
                 }
@@ -288,9 +288,12 @@ impl<'a> Judge<'a> {
             for values in &moments {
                 let blocks = blocks(&read.program, values)?.into_iter();
                 let blocks = blocks.map(|(resource, bytes)| (resource.binding, bytes)).collect();
-                let known = read.outline.as_ref().map(|(program, outline)| (outline, program.values(outline, &blocks)));
+                let known = read
+                    .fingerprint
+                    .as_ref()
+                    .map(|(program, fingerprint)| (fingerprint, program.values(fingerprint, &blocks)));
                 let drawn = match known {
-                    Some((outline, Ok(values))) => format!("{} {values:?}", outline.hash),
+                    Some((fingerprint, Ok(values))) => format!("{} {values:?}", fingerprint.hash),
                     _ => format!("{:?} {} {blocks:?}", read.program.fragment, scene.effect.octaves),
                 };
                 // Shadows are cast once, or for each moment; from equal values they are the same.
@@ -313,11 +316,11 @@ impl<'a> Judge<'a> {
             return Ok(known.clone());
         }
         let program = variant.program(self.library, Linker::new)?;
-        let outline = eval::Program::read(&program.fragment, &[(OCTAVES_ID, octaves)]).ok().map(|read| {
-            let outline = read.outline();
-            (read, outline)
+        let fingerprint = eval::Program::read(&program.fragment, &[(OCTAVES_ID, octaves)]).ok().map(|read| {
+            let fingerprint = read.fingerprint();
+            (read, fingerprint)
         });
-        let read = Rc::new(Read { program, outline });
+        let read = Rc::new(Read { program, fingerprint });
         self.programs.insert(key, read.clone());
         Ok(read)
     }

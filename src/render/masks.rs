@@ -7,7 +7,7 @@ use super::shot::Shot;
 use super::variant::{Use, Variant, VariantError};
 use super::view::Own;
 use super::{RenderError, Subject};
-use crate::eval::{self, Device, Interval, Lanes, Number};
+use crate::eval::{self, Domain, F32Interval, Interval, Invocations};
 use crate::scene::{Neutral, ParameterValue, Parameters, Scene};
 use crate::shader::library::MASK;
 use crate::shader::{Library, Linker};
@@ -187,13 +187,13 @@ impl Question {
             inputs.blocks.insert(resource.binding, bytes);
         }
         let [low, high] = self.places.map(|corner| corner.map(f64::from));
-        let [x, y, z] = [0, 1, 2].map(|axis| Device(Interval { lo: low[axis], hi: high[axis] }));
-        let place = [x, y, z, Device(Interval { lo: 0.0, hi: 1.0 })];
-        let varyings = [(0, vec![place]), (1, vec![[Device::whole(); 4]])].into();
-        let lanes = Lanes { fragment_coordinates: vec![[Device::whole(); 4]], varyings };
+        let [x, y, z] = [0, 1, 2].map(|axis| F32Interval(Interval { lo: low[axis], hi: high[axis] }));
+        let place = [x, y, z, F32Interval(Interval { lo: 0.0, hi: 1.0 })];
+        let varyings = [(0, vec![place]), (1, vec![[F32Interval::any(); 4]])].into();
+        let lanes = Invocations { fragment_coordinates: vec![[F32Interval::any(); 4]], varyings };
         // What cannot be bounded may be anything.
         let bounds = eval::Program::read_channel(&program.fragment, &[], (0, 0))
-            .and_then(|code| code.bind(&inputs)?.run::<Device>(&lanes));
+            .and_then(|code| code.bind(&inputs)?.run::<F32Interval>(&lanes));
         Ok(bounds.is_ok_and(|outputs| outputs[&0].first().is_some_and(|[cover, ..]| cover.0.lo >= 1.0)))
     }
 }

@@ -7,7 +7,7 @@
 use super::cpu_inputs::CpuInputs;
 use super::inputs::CELLS;
 use super::{OCTAVES_ID, RenderError, Subject};
-use crate::eval::{ExactError, Inputs, Lanes, Overflow, Program, Texture};
+use crate::eval::{ExactError, Inputs, Invocations, Overflow, Program, Texture};
 use crate::render::variant::{self, Use, Variant};
 use crate::scene::{ParameterValue, Pass, Scene};
 use crate::shader::{FAULT, Library, changed};
@@ -232,7 +232,7 @@ fn evaluate(
     let mut found = Found::default();
     let ([mut operations, mut singles], mut done, mut together) = ([0; 2], 0, TOGETHER[0]);
     while done < QUADS && operations < OPERATIONS {
-        let mut lanes = Lanes { fragment_coordinates: Vec::new(), varyings: BTreeMap::from([(0, Vec::new())]) };
+        let mut lanes = Invocations { fragment_coordinates: Vec::new(), varyings: BTreeMap::from([(0, Vec::new())]) };
         for quad in done..QUADS.min(done + together) {
             let [x, y, depth] = scattered(quad);
             let corner =

@@ -9,7 +9,7 @@ use super::super::shot::Shot;
 use super::super::values::{TIME, Values, blocks};
 use super::super::{OCTAVES_ID, Read, RenderError};
 use super::ranged;
-use crate::eval::{self, Device, Interval, Outline};
+use crate::eval::{self, F32Interval, Fingerprint, Interval};
 use crate::noise::Lattice;
 use crate::render::variant::{Program, Resource, Variant, VariantError};
 use crate::scene::Scene;
@@ -63,7 +63,7 @@ pub(super) enum Decider {
 pub(super) struct Bounded {
     pub(super) reads: Arc<Reads>,
     pub(super) code: eval::Program,
-    outline: Outline,
+    fingerprint: Fingerprint,
     pub(super) inputs: eval::Inputs,
     pub(super) texels: u64,
     /// That of the program, and of its images and how they are filtered.
@@ -118,8 +118,8 @@ impl Decider {
             Ok(code) => code,
             Err(error) => return Ok(Decider::Unbounded(error.to_string())),
         };
-        let outline = code.outline();
-        let is_read = |binding: &u32| outline.images.iter().any(|(image, _)| image == binding);
+        let fingerprint = code.fingerprint();
+        let is_read = |binding: &u32| fingerprint.images.iter().any(|(image, _)| image == binding);
         let read = program.resources.iter().filter(|resource| is_read(&resource.binding));
         let read = read.filter(|resource| noise.is_none() || resource.name != ranged::LOOKED_UP);
         let read: Vec<Read> = read.filter_map(|resource| image_of(&resource.name)).collect();
@@ -139,7 +139,7 @@ impl Decider {
         let (scene, whole) = (shot.scene.clone(), shot.whole);
         let read = move || {
             let shot = Shot { whole, ..Shot::of(&scene, &subject, &variant) };
-            Bounded::new(&library, &shot, (program, code, outline), (texels, noise))
+            Bounded::new(&library, &shot, (program, code, fingerprint), (texels, noise))
         };
         Ok(match thread::Builder::new().stack_size(STACK).spawn(read) {
             Ok(thread) => Decider::Coming(texels, Some(thread)),
@@ -170,16 +170,16 @@ impl Bounded {
     fn new(
         library: &Library,
         shot: &Shot<'_>,
-        (mut program, code, outline): (Program, eval::Program, Outline),
+        (mut program, code, fingerprint): (Program, eval::Program, Fingerprint),
         (texels, noise): (u64, Option<Lattice>),
     ) -> Result<Bounded, RenderError> {
         let is_noise = |resource: &&mut Resource| noise.is_some() && resource.name == ranged::LOOKED_UP;
         let place = program.resources.iter_mut().find(is_noise).map(|resource| resource.binding);
         program.resources.retain(|resource| Some(resource.binding) != place);
         let Inputs { mut images, samplers, .. } = Inputs::new(library, shot, &program, &|_| ())?;
-        images.retain(|(binding, _)| outline.images.iter().any(|(image, _)| image == binding));
+        images.retain(|(binding, _)| fingerprint.images.iter().any(|(image, _)| image == binding));
         let mut hash = blake3::Hasher::new();
-        hash.update(outline.hash.as_bytes());
+        hash.update(fingerprint.hash.as_bytes());
         for (binding, image) in &images {
             hash.update(format!("{binding} {:?} {:?}", image.dimension, image.format).as_bytes());
             hash.update(blake3::hash(image.bytes()).as_bytes());
@@ -194,7 +194,7 @@ impl Bounded {
         let noises = place.zip(noise).into_iter().collect();
         let inputs = eval::Inputs { images, samplers, noises, ..eval::Inputs::default() };
         let reads = Arc::new(Reads { members: program.members_read(), program });
-        Ok(Bounded { reads, code, outline, inputs, texels, hash })
+        Ok(Bounded { reads, code, fingerprint, inputs, texels, hash })
     }
 
     /// Sets what the program reads beside images, from a time on until another; what depends on it at the first, in bits.
@@ -204,7 +204,7 @@ impl Bounded {
         if self.inputs.until == self.inputs.blocks {
             self.inputs.until.clear(); // nothing depends on the time
         }
-        Ok(self.code.values(&self.outline, &self.inputs.blocks)?)
+        Ok(self.code.values(&self.fingerprint, &self.inputs.blocks)?)
     }
 
     /// Which cells are proven to be empty by what [`Bounded::fill`] gave, and whether that was kept on disk, where proofs of
@@ -244,9 +244,9 @@ impl Bounded {
         let mut open: Vec<[u32; 3]> = children([0; 3], side).collect();
         loop {
             let is_empty = |cells: &[[u32; 3]]| {
-                let places = cells.iter().map(|cell| boxes.cell(*cell, side).map(Device)).collect();
-                let lanes = eval::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places)].into() };
-                let (outputs, operations) = bound.measure::<Device>(&lanes)?;
+                let places = cells.iter().map(|cell| boxes.cell(*cell, side).map(F32Interval)).collect();
+                let lanes = eval::Invocations { fragment_coordinates: Vec::new(), varyings: [(0, places)].into() };
+                let (outputs, operations) = bound.measure::<F32Interval>(&lanes)?;
                 Ok((outputs[&0].iter().map(|[alpha, ..]| alpha.0.hi <= 0.0).collect(), operations))
             };
             let mut decided: Vec<(Vec<bool>, u64)> = Vec::new();
