@@ -11,7 +11,7 @@ mod bench;
 mod probe;
 
 use bench::Spread;
-use hypertexture::eval::{Affine, BoundProgram, Interval, Lanes, Number};
+use hypertexture::eval::{Affine, BoundProgram, Evaluate, Interval, Invocations};
 use hypertexture::render::variant::Variant;
 use hypertexture::scene;
 use hypertexture::shader;
@@ -23,12 +23,12 @@ const POINTS: u32 = 1 << 14;
 const REPEATS: usize = 7;
 
 /// Millions of operations per second, and operations for a point.
-fn measure<N: Number>(bound: &BoundProgram<'_>, width: f64, of: impl Fn(f64, f64) -> N) -> (Spread, f64) {
+fn measure<N: Evaluate>(bound: &BoundProgram<'_>, width: f64, of: impl Fn(f64, f64) -> N) -> (Spread, f64) {
     let root = 1.220_744_084_605_759_5_f64; // of x^4 = x + 1 (Roberts 2018)
     let place = |n: u32| [1, 2, 3, 4].map(|axis| 4.0 * (f64::from(n) * root.powi(-axis)).fract() - 2.0);
     let points = (0..POINTS).map(|n| place(n).map(|low| of(low, low + width))).collect();
     let fragments = vec![[0.5, 0.5, 0.5, 1.0].map(|x| of(x, x)); POINTS as usize];
-    let lanes = Lanes { fragment_coordinates: fragments, varyings: BTreeMap::from([(0, points)]) };
+    let lanes = Invocations { fragment_coordinates: fragments, varyings: BTreeMap::from([(0, points)]) };
     let mut rates = Vec::new();
     let mut operations = 0;
     for _ in 0..REPEATS {

@@ -3,7 +3,7 @@
 //! Role: the scene's program is evaluated in f64 and with the range of f32 at sampled places of the picture;
 //! instrumented modules record their faults (`watch.glsl`). Invariant: a scene of shipped modules costs nothing.
 
-use crate::eval::{ExactError, Inputs, Lanes, Overflow, Program, Texture};
+use crate::eval::{ExactError, Inputs, Invocations, Overflow, Program, Texture};
 use crate::render::error::RenderError;
 use crate::render::inputs::{CELLS, CpuInputs};
 use crate::render::subject::Subject;
@@ -239,7 +239,7 @@ fn evaluate(
     let mut found = Found::default();
     let ([mut operations, mut singles], mut done, mut together) = ([0; 2], 0, TOGETHER[0]);
     while done < QUADS && operations < OPERATIONS {
-        let mut lanes = Lanes { fragment_coordinates: Vec::new(), varyings: BTreeMap::from([(0, Vec::new())]) };
+        let mut lanes = Invocations { fragment_coordinates: Vec::new(), varyings: BTreeMap::from([(0, Vec::new())]) };
         for quad in done..QUADS.min(done + together) {
             let [x, y, depth] = scattered(quad);
             let corner =

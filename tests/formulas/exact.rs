@@ -1,6 +1,6 @@
 //! The exact evaluator: operations against Rust's f64, control flow, images, and every program that ships.
 
-use hypertexture::eval::{BoundProgram, Inputs, Interval, Lanes, Number, Program, Sloped, Texture, Wrap};
+use hypertexture::eval::{BoundProgram, Evaluate, Inputs, Interval, Invocations, Number, Program, Texture, Wrap};
 use hypertexture::render::variant::Variant;
 use hypertexture::scene::{self, Pass};
 use hypertexture::shader::{self, Library, Linker, Slots, Stage};
@@ -22,12 +22,12 @@ fn read(before: &str, body: &str) -> Result<Program, hypertexture::eval::ExactEr
     Program::read(&spirv.unwrap_or_else(|error| panic!("{error}")), &[])
 }
 
-fn lanes<N: Number>(values: &[[f64; 4]]) -> Lanes<N> {
+fn lanes<N: Evaluate>(values: &[[f64; 4]]) -> Invocations<N> {
     let values = values.iter().map(|value| value.map(N::new)).collect();
-    Lanes { fragment_coordinates: Vec::new(), varyings: BTreeMap::from([(0, values)]) }
+    Invocations { fragment_coordinates: Vec::new(), varyings: BTreeMap::from([(0, values)]) }
 }
 
-fn evaluate<N: Number>(bound: &BoundProgram<'_>, values: &[[f64; 4]]) -> Vec<[N; 4]> {
+fn evaluate<N: Evaluate>(bound: &BoundProgram<'_>, values: &[[f64; 4]]) -> Vec<[N; 4]> {
     bound.run(&lanes(values)).unwrap_or_else(|error| panic!("{error}"))[&0].clone()
 }
 
@@ -38,59 +38,12 @@ pub fn points(count: usize) -> Vec<[f64; 4]> {
     (0..count).map(|n| [1, 2, 3, 4].map(|axis| ((n + 1) as f64 * root.powi(-axis)).fract())).collect()
 }
 
-/// Checks that bounds along segments from each point towards the next hold the values in f64, and that bounds of the slope
-/// hold what two of them differ by.
-fn slopes(body: &str, bound: &BoundProgram<'_>, values: &[[f64; 4]]) {
-    const PLACES: usize = 6;
-    for width in [1e-9, 1e-3, 0.1, 1.0] {
-        let ends = |pair: &[[f64; 4]], k: usize| [pair[0][k], pair[0][k] + width * (pair[1][k] - pair[0][k])];
-        let along = values.windows(2).map(|pair| {
-            [0, 1, 2, 3].map(|k| {
-                let [from, to] = ends(pair, k);
-                Sloped::between(from, to, 1.0)
-            })
-        });
-        let lanes = Lanes { fragment_coordinates: Vec::new(), varyings: BTreeMap::from([(0, along.collect())]) };
-        let found = &bound.run(&lanes).unwrap_or_else(|error| panic!("{error}"))[&0];
-        let places = [0, 1, 2, 3, 4, 5].map(|place| place as f64 / (PLACES - 1) as f64);
-        let inside = |pair: &[[f64; 4]], t: f64| {
-            [0, 1, 2, 3].map(|k| {
-                let [from, to] = ends(pair, k);
-                (from + t * (to - from)).clamp(from.min(to), from.max(to))
-            })
-        };
-        let all = places.map(|t| {
-            let points: Vec<[f64; 4]> = values.windows(2).map(|pair| inside(pair, t)).collect();
-            evaluate::<f64>(bound, &points)
-        });
-        for (segment, along) in found.iter().enumerate() {
-            for channel in 0..4 {
-                let Sloped { all: range, slope } = along[channel];
-                let value = |place: usize| all[place][segment][channel];
-                for a in 0..PLACES {
-                    assert!(range.contains(value(a)), "{body}: {} is not in {range:?}", value(a));
-                    for b in 0..a {
-                        // Both are rounded.
-                        let off = 1e-12 * (1.0 + value(a).abs() + value(b).abs());
-                        let apart = (value(a) - value(b)) / (places[a] - places[b]);
-                        let held = slope == Interval::WHOLE
-                            || Interval { lo: slope.lo - off, hi: slope.hi + off }.contains(apart);
-                        let at = values[segment];
-                        assert!(held, "{body}: {apart} is not in {slope:?}, {width} from {at:?} on");
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// Evaluates `body` in f64, and checks that intervals around and through the points hold what it gives, and slopes.
+/// Evaluates `body` in f64, and checks that intervals around and through the points hold its values.
 pub fn both(before: &str, body: &str, inputs: &Inputs, values: &[[f64; 4]]) -> Vec<[f64; 4]> {
     let program = program(before, body);
     let bound = program.bind(inputs).unwrap_or_else(|error| panic!("{error}"));
     let found: Vec<[f64; 4]> = evaluate(&bound, values);
     let around: Vec<[Interval; 4]> = evaluate(&bound, values);
-    slopes(body, &bound, values);
     for ((value, found), around) in values.iter().zip(&found).zip(&around) {
         for channel in 0..4 {
             let fits = around[channel].contains(found[channel]);
@@ -105,7 +58,7 @@ pub fn both(before: &str, body: &str, inputs: &Inputs, values: &[[f64; 4]]) -> V
                 [0, 1, 2, 3].map(|at| Interval::of(pair[0][at], pair[0][at] + width * (pair[1][at] - pair[0][at])))
             })
             .collect();
-        let lanes = Lanes { fragment_coordinates: Vec::new(), varyings: BTreeMap::from([(0, boxes.clone())]) };
+        let lanes = Invocations { fragment_coordinates: Vec::new(), varyings: BTreeMap::from([(0, boxes.clone())]) };
         let ranges = &bound.run(&lanes).unwrap_or_else(|error| panic!("{error}"))[&0];
         for part in points(8) {
             let inside: Vec<[f64; 4]> = boxes
@@ -495,15 +448,15 @@ fn what_is_missing_or_not_covered_is_said_with_its_place() {
     let before = "layout(set = 0, binding = 4) uniform B { float k; };";
     let program = program(before, "result = x * k;");
     let error = program.bind(&Inputs::default()).unwrap_err().to_string();
-    assert_eq!(error, "binding 4 needs a uniform block, and the inputs have none; add it to `Inputs`");
+    assert_eq!(error, "binding 4 needs a uniform block; add it to `Inputs`");
     let inputs = Inputs { blocks: BTreeMap::from([(4, vec![0; 2])]), ..Inputs::default() };
     let error = program.bind(&inputs).unwrap_err().to_string();
     assert_eq!(error, "binding 4 has a block of 2 bytes, but the program needs at least 4");
     let inputs = Inputs { blocks: BTreeMap::from([(4, vec![0; 4])]), ..Inputs::default() };
     let bound = program.bind(&inputs).unwrap();
-    let empty = Lanes::<f64> { fragment_coordinates: vec![[0.0; 4]], varyings: BTreeMap::new() };
+    let empty = Invocations::<f64> { fragment_coordinates: vec![[0.0; 4]], varyings: BTreeMap::new() };
     let error = bound.run(&empty).unwrap_err().to_string();
-    assert_eq!(error, "the program reads location 0, and the lanes lack it");
+    assert_eq!(error, "the program reads location 0, but the invocations have none");
 }
 
 #[test]
@@ -532,9 +485,9 @@ fn derivatives_are_differences_in_a_quad() {
     let inputs = Inputs::default();
     let bound = program.bind(&inputs).unwrap();
     let quad = [[0.5, 0.5], [1.5, 0.5], [0.5, 1.5], [1.5, 1.5]].map(|[x, y]| [x, y, 0.0, 1.0]);
-    let lanes = Lanes { fragment_coordinates: quad.to_vec(), varyings: BTreeMap::new() };
+    let lanes = Invocations { fragment_coordinates: quad.to_vec(), varyings: BTreeMap::new() };
     assert_eq!(bound.run(&lanes).unwrap()[&0], [[2.0, 3.0, 5.0, 0.0]; 4]);
-    let lanes = Lanes { fragment_coordinates: quad[..3].to_vec(), varyings: BTreeMap::new() };
+    let lanes = Invocations { fragment_coordinates: quad[..3].to_vec(), varyings: BTreeMap::new() };
     assert!(bound.run(&lanes).unwrap_err().to_string().contains("derivatives"));
 }
 
@@ -545,7 +498,7 @@ fn a_loop_without_a_bound_gives_the_whole_line() {
     let inputs = Inputs::default();
     let bound = program.bind(&inputs).unwrap();
     let boxes = vec![[Interval::new(0.0), Interval { lo: 0.0, hi: 1.0 }, Interval::new(2.0), Interval::new(0.0)]];
-    let lanes = Lanes { fragment_coordinates: Vec::new(), varyings: BTreeMap::from([(0, boxes)]) };
+    let lanes = Invocations { fragment_coordinates: Vec::new(), varyings: BTreeMap::from([(0, boxes)]) };
     let found = bound.run(&lanes).unwrap()[&0][0];
     assert!(found[0].lo <= 10.0 && found[0].hi >= 11.0, "{:?}", found[0]);
     assert_eq!((found[1].lo, found[1].hi), (2.0, 2.0));
@@ -573,5 +526,27 @@ fn every_program_of_every_preset_lowers() {
                 Program::read(&shadow.fragment, &[]).unwrap_or_else(|error| panic!("shadow of {name}: {error}"));
             }
         }
+    }
+}
+
+#[test]
+fn a_disjunction_holds_where_its_second_operand_is_known() {
+    // `x.x < 1.0` is undecided; the other operand decides the result.
+    let before = "";
+    for (text, expected) in [
+        ("bool h = !(x.x < 1.0), near = x.y < 10.0; result = vec4((h ? near : !h) ? x.z : 9.0);", [0.25, 0.5]),
+        ("bool h = !(x.x < 1.0), near = x.y < 10.0; result = vec4((h ? h : near) ? x.z : 9.0);", [0.25, 0.5]),
+        ("bool h = !(x.x < 1.0), far = x.y > 10.0; result = vec4((h ? !h : far) ? 9.0 : x.z);", [0.25, 0.5]),
+        ("bool h = !(x.x < 1.0), far = x.y > 10.0; result = vec4((h ? far : h) ? 9.0 : x.z);", [0.25, 0.5]),
+        ("bool h = !(x.x < 1.0), near = x.y < 10.0; result = vec4((h ? near : h) ? x.z : 9.0);", [0.25, 9.0]),
+    ] {
+        let program = program(before, text);
+        let inputs = Inputs::default();
+        let bound = program.bind(&inputs).unwrap_or_else(|error| panic!("{error}"));
+        let place = [[0.5, 1.5], [0.0, 1.0], [0.25, 0.5], [0.0, 0.0]].map(|[lo, hi]| Interval { lo, hi });
+        let lanes = Invocations { fragment_coordinates: Vec::new(), varyings: BTreeMap::from([(0, vec![place])]) };
+        let [found, ..] = bound.run(&lanes).unwrap_or_else(|error| panic!("{error}"))[&0][0];
+        assert_eq!([found.lo, found.hi], expected, "{text}");
+        both(before, text, &inputs, &points(60).into_iter().map(|p| p.map(|t| 3.0 * t - 1.0)).collect::<Vec<_>>());
     }
 }

@@ -3,7 +3,7 @@
 
 use crate::common::with_gpu;
 use crate::probe::Probe;
-use hypertexture::eval::{Affine, BoundProgram, Device, Interval, Lanes, Number};
+use hypertexture::eval::{Affine, BoundProgram, F32Interval, Interval, Invocations, Number};
 use hypertexture::render::variant::Variant;
 use hypertexture::scene;
 use hypertexture::shader::{self, Library, Slots};
@@ -137,7 +137,8 @@ fn allowed(given: &Probe, pixels: &[u32], factor: f64) -> Vec<f64> {
             [x + nudge[0], y + nudge[1], z + nudge[2], w]
         };
         let fragment_coordinates = pixels.iter().map(|pixel| coordinates(*pixel)).collect();
-        let lanes = Lanes { fragment_coordinates, varyings: BTreeMap::from([(0, pixels.iter().map(moved).collect())]) };
+        let lanes =
+            Invocations { fragment_coordinates, varyings: BTreeMap::from([(0, pixels.iter().map(moved).collect())]) };
         bound.run::<f64>(&lanes).unwrap()[&0].clone()
     };
     let middle = at([0.0; 3]);
@@ -165,13 +166,15 @@ fn f64_agrees_with_the_device_on_every_module_and_preset() {
                 return;
             };
             let seen = probe.draw(gpu, SIDE);
-            let lanes =
-                Lanes { fragment_coordinates: (0..SIDE * SIDE).map(coordinates).collect(), varyings: BTreeMap::new() };
+            let lanes = Invocations {
+                fragment_coordinates: (0..SIDE * SIDE).map(coordinates).collect(),
+                varyings: BTreeMap::new(),
+            };
             let program = probe.program();
             let found = &program.bind(&probe.inputs).unwrap().run::<f64>(&lanes).unwrap()[&0];
-            let points = (0..SIDE * SIDE).map(|pixel| coordinates(pixel).map(Device::new));
-            let lanes = Lanes { fragment_coordinates: points.collect(), varyings: BTreeMap::new() };
-            let bounds = &program.bind(&probe.inputs).unwrap().run::<Device>(&lanes).unwrap()[&0];
+            let points = (0..SIDE * SIDE).map(|pixel| coordinates(pixel).map(F32Interval::new));
+            let lanes = Invocations { fragment_coordinates: points.collect(), varyings: BTreeMap::new() };
+            let bounds = &program.bind(&probe.inputs).unwrap().run::<F32Interval>(&lanes).unwrap()[&0];
             let holds = |pixel: usize| (0..4).all(|c| bounds[pixel][c].0.contains(f64::from(seen[pixel][c])));
             let outside = (0..seen.len()).filter(|pixel| !holds(*pixel)).count();
             if outside > 0 {
@@ -232,7 +235,7 @@ fn segments_hold(
     coordinates: &[[f64; 4]],
     random: &mut SplitMix,
 ) -> f64 {
-    let lanes = Lanes {
+    let lanes = Invocations {
         fragment_coordinates: coordinates.iter().map(|at| at.map(Affine::new)).collect(),
         varyings: BTreeMap::from([(0, boxes.iter().map(|at| at.map(|x| Affine::between(x.lo, x.hi))).collect())]),
     };
@@ -246,8 +249,10 @@ fn segments_hold(
                 at.map(|x| (x.lo + if mirrored { 1.0 - part } else { *part } * (x.hi - x.lo)).clamp(x.lo, x.hi))
             };
             let inside: Vec<[f64; 4]> = boxes.iter().zip(&parts).map(along).collect();
-            let lanes =
-                Lanes { fragment_coordinates: coordinates.to_vec(), varyings: BTreeMap::from([(0, inside.clone())]) };
+            let lanes = Invocations {
+                fragment_coordinates: coordinates.to_vec(),
+                varyings: BTreeMap::from([(0, inside.clone())]),
+            };
             let found = bound.run::<f64>(&lanes).unwrap().remove(&0).unwrap();
             for (index, found) in found.iter().enumerate() {
                 for channel in 0..4 {
@@ -299,7 +304,7 @@ fn one_round(library: &Library, random: &mut SplitMix, speaks: bool) -> usize {
             })
             .collect();
         let coordinates = vec![[100.5, 50.5, 0.5, 1.0]; BOXES];
-        let lanes = Lanes {
+        let lanes = Invocations {
             fragment_coordinates: coordinates.iter().map(|at| at.map(|x| Interval::of(x, x))).collect(),
             varyings: BTreeMap::from([(0, boxes.clone())]),
         };
@@ -311,8 +316,10 @@ fn one_round(library: &Library, random: &mut SplitMix, speaks: bool) -> usize {
                 .iter()
                 .map(|at| at.map(|range| (range.lo + random.unit() * (range.hi - range.lo)).clamp(range.lo, range.hi)))
                 .collect();
-            let lanes =
-                Lanes { fragment_coordinates: coordinates.clone(), varyings: BTreeMap::from([(0, inside.clone())]) };
+            let lanes = Invocations {
+                fragment_coordinates: coordinates.clone(),
+                varyings: BTreeMap::from([(0, inside.clone())]),
+            };
             for (index, found) in bound.run::<f64>(&lanes).unwrap()[&0].iter().enumerate() {
                 for channel in 0..4 {
                     let (value, range) = (found[channel], ranges[index][channel]);

@@ -2,7 +2,7 @@
 
 use crate::values::{Random, Setting};
 use glam::DVec3;
-use hypertexture::eval::{Inputs, Lanes, Program, Texture, Wrap};
+use hypertexture::eval::{Inputs, Invocations, Program, Texture, Wrap};
 use hypertexture::render::variant::{self, Use, Variant};
 use hypertexture::scene::{ParameterValue, Scene, preset};
 use hypertexture::shader::{self, Library, Linker};
@@ -206,7 +206,7 @@ impl Check {
             let points: Vec<[[f64; 4]; 4]> = (0..POINTS).map(|_| (self.give)(&mut random, &setting)).collect();
             let varyings = (0..4).map(|input| (input as u32, points.iter().map(|p| p[input]).collect())).collect();
             let pixel = |i: usize| [(i % 64) as f64 + 0.5, (i / 64) as f64 + 0.5, 0.5, 1.0];
-            let lanes = Lanes { fragment_coordinates: (0..POINTS).map(pixel).collect(), varyings };
+            let lanes = Invocations { fragment_coordinates: (0..POINTS).map(pixel).collect(), varyings };
             let found = program.bind(&inputs).unwrap().run::<f64>(&lanes).unwrap();
             let second = |point: usize| found.get(&1).map_or([0.0; 4], |values| values[point]);
             let results: Vec<_> = points

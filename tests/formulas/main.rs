@@ -34,7 +34,6 @@ mod parts;
 mod proofs;
 mod rays;
 mod segments;
-mod slopes;
 mod surface;
 mod transport;
 mod values;

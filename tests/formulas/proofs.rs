@@ -3,7 +3,7 @@
 
 use crate::probe::Probe;
 use glam::DVec3;
-use hypertexture::eval::{Inputs, Lanes};
+use hypertexture::eval::{Inputs, Invocations};
 use hypertexture::render::variant::{Use, Variant};
 use hypertexture::scene::{ParameterValue, Projection, Scene, preset};
 use hypertexture::shader::{self, ParameterKind};
@@ -26,7 +26,7 @@ fn direction(random: &mut SplitMix) -> DVec3 {
 
 fn run(probe: &Probe, inputs: &Inputs, varyings: BTreeMap<u32, Vec<[f64; 4]>>) -> Vec<DVec3> {
     let fragment_coordinates = vec![[0.5, 0.5, 0.5, 1.0]; varyings[&0].len()];
-    let lanes = Lanes { fragment_coordinates, varyings };
+    let lanes = Invocations { fragment_coordinates, varyings };
     let out = probe.program().bind(inputs).unwrap().run::<f64>(&lanes).unwrap();
     out[&0].iter().map(|v| DVec3::new(v[0], v[1], v[2])).collect()
 }

@@ -33,12 +33,9 @@ fn along_a_ray_the_density_is_that_of_the_shells_it_crosses() {
             let radius = closest.hypot(depth - middle);
             assert!((density - of(radius)).abs() < 1e-2, "{x} {y} at {depth}: {density}, not {}", of(radius));
         }
-        // How fast it changes in the shells: bounds hold it, and are no wider than a part is long.
+        // Bounds between two places are as narrow as the densities there.
         for ends in ray.windows(2).filter(|ends| ends.iter().all(|end| end.density > 0.01 && end.density < 0.99)) {
-            let at = |end: usize| -(ends[end].depth - middle) / closest.hypot(ends[end].depth - middle) / 0.6;
-            let ([fall, rise], [low, high]) = (ends[0].slope, ends[0].range);
-            assert!(at(1).min(at(0)) > fall - 1e-2 && at(1).max(at(0)) < rise + 1e-2, "{fall} to {rise}: {}", at(0));
-            assert!(rise - fall < 2.0 * (at(1) - at(0)).abs() + 2e-2, "{fall} to {rise}: {} to {}", at(0), at(1));
+            let [low, high] = ends[0].range;
             assert!(high - low < (ends[1].density - ends[0].density).abs() + 1e-4, "{low} to {high}");
         }
     }
@@ -55,42 +52,26 @@ fn along_a_ray_the_density_is_that_of_the_shells_it_crosses() {
 const PARTS: usize = 64;
 const PLACES: usize = 24;
 
-/// How often the density is not within the bounds, of a few rays: of its values and of what two of them differ by. And
-/// in how many parts with matter the slope is bounded, of how many.
-fn judge(scene: &Scene, pixels: &[[u32; 2]]) -> (Vec<String>, [usize; 2], usize) {
+/// The densities on a few rays that are outside the bounds, and the number of densities.
+fn judge(scene: &Scene, pixels: &[[u32; 2]]) -> (Vec<String>, usize) {
     let library = shader::shipped();
     let subject = Subject::load(scene, &library, &|_| ()).unwrap();
-    let (mut wrong, mut bounded, mut pairs) = (Vec::new(), [0; 2], 0);
+    let (mut wrong, mut places) = (Vec::new(), 0);
     for pixel in pixels {
         let of = |places| density_along(&library, scene, &subject, *pixel, places).unwrap();
         let (coarse, fine) = (of(PARTS + 1), of(PARTS * PLACES + 1));
         for (part, fine) in coarse.iter().zip(fine.windows(PLACES + 1).step_by(PLACES)) {
-            let ([low, high], [fall, rise]) = (part.range, part.slope);
-            if fine.iter().any(|at| at.density > 0.0) {
-                bounded = [bounded[0] + usize::from(fall.is_finite() && rise.is_finite()), bounded[1] + 1];
-            }
-            for (index, a) in fine.iter().enumerate() {
-                if a.density < low || a.density > high {
-                    wrong.push(format!("{} at {} is not from {low} to {high}", a.density, a.depth));
-                }
-                for b in &fine[..index] {
-                    // Noise is taken to 1e-6.
-                    let (apart, off) = (a.depth - b.depth, 4e-6 * (1.0 + a.density.abs()));
-                    let change = a.density - b.density;
-                    if change < fall * apart - off || change > rise * apart + off {
-                        let slope = change / apart;
-                        wrong.push(format!("{slope} at {} is not from {fall} to {rise}", a.depth));
-                    }
-                    pairs += 1;
-                }
-            }
+            let [low, high] = part.range;
+            let outside = fine.iter().filter(|at| at.density < low || at.density > high);
+            wrong.extend(outside.map(|at| format!("{} at {} is not from {low} to {high}", at.density, at.depth)));
+            places += fine.len();
         }
     }
-    (wrong, bounded, pairs)
+    (wrong, places)
 }
 
 #[test]
-fn bounds_along_a_ray_hold_the_density_and_how_fast_it_changes() {
+fn bounds_along_a_ray_hold_the_density() {
     // HYPERTEXTURE_SCENES=200 asks for as many random scenes.
     let count = std::env::var("HYPERTEXTURE_SCENES").ok().and_then(|count| count.parse().ok()).unwrap_or(6);
     let mut random = SplitMix(1985);
@@ -108,15 +89,10 @@ fn bounds_along_a_ray_hold_the_density_and_how_fast_it_changes() {
         scene.image.size = [32, 32];
         let near = |random: &mut SplitMix| 16 - 6 + (random.bits() % 12) as u32;
         let pixels = [(); 3].map(|()| [near(&mut random), near(&mut random)]);
-        let (wrong, [bounded, met], pairs) = judge(&scene, &pixels);
-        println!("{name}: the slope is bounded in {bounded} of {met} parts with matter");
+        let (wrong, places) = judge(&scene, &pixels);
         let first = wrong.first().cloned().unwrap_or_default();
         assert!(wrong.is_empty(), "{name}, {:?}: {} times, {first}", scene.parameters, wrong.len());
-        if ["noisy_sphere", "noisy_sphere, computed"].contains(&name.as_str()) {
-            assert!(4 * bounded > 3 * met && met > 20, "{name}: {bounded} of {met}");
-        }
-        all += pairs;
+        all += places;
     }
-    println!("{all} pairs of places");
-    assert!(all > 100_000, "{all}");
+    assert!(all > 50_000, "{all}");
 }

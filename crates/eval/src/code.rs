@@ -1,50 +1,39 @@
-//! A lowered program: instructions on registers that hold one scalar for each lane, in structured control flow.
+//! Lowered programs: instructions over registers with one scalar for each lane, in structured control flow.
 //!
-//! Invariant: vectors, matrices, structures, arrays, functions and pointers are gone. Instructions are total and have
-//! no effect but their results, so that lanes which are not active may compute anything in registers that only their
-//! own branch reads; a *masked* result is that of a variable, which keeps its value in other lanes.
+//! Invariant: there are no vectors, matrices, structures, arrays, functions or pointers. Instructions are total and have no
+//! side effects, so inactive lanes may compute anything in registers that only their own branch reads. A *masked* result
+//! is that of a variable, which keeps its value in inactive lanes.
 
-use super::number::{IntBinary, IntUnary, Unary};
+use crate::number::{Binary, Comparison, IntBinary, IntUnary, Unary};
 
-/// The three files of registers.
+/// The register files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(super) enum File {
+pub enum File {
     Float,
     Int,
-    Truth,
+    Bool,
 }
 
-/// A register: one value for each lane, or one for all lanes.
+/// A register, with a value for each lane or a uniform one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(super) struct Reg {
-    pub(super) file: File,
-    pub(super) uniform: bool,
-    pub(super) index: u32,
+pub struct Reg {
+    pub file: File,
+    pub uniform: bool,
+    pub index: u32,
 }
 
-/// What an instruction computes.
+/// An operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Op {
-    /// Nothing: an instruction that was removed.
+pub enum Op {
+    /// No operation: a removed instruction.
     Nop,
     Copy,
     Unary(Unary),
-    Add,
-    Sub,
-    Mul,
-    Div,
-    Min,
-    Max,
-    Pow,
-    Atan2,
-    Rem,
-    Unit,
+    Binary(Binary),
     /// `a * b + c`, both rounded.
     MulAdd,
     Mix,
-    Less,
-    LessEqual,
-    Equal,
+    Compare(Comparison),
     IsNan,
     IsInfinite,
     ToInt,
@@ -52,44 +41,44 @@ pub(super) enum Op {
     ToBits,
     FromBits,
     Ldexp,
-    /// The first where the condition holds, else the second; of any file.
+    /// The second source where the first holds, else the third; for any file.
     Select,
     Int(IntBinary),
     IntUnary(IntUnary),
-    Reread,
+    Bitcast,
     IntLess,
     IntEqual,
     And,
     Or,
     Not,
-    Same,
-    /// One of a table, by an index.
+    BoolEqual,
+    /// An element of a table, by index.
     Gather,
-    /// A filtered lookup; `table` is one of [`Code::lookups`].
+    /// A filtered texture lookup; `table` is an index of [`Code::lookups`].
     Sample,
-    /// A texel.
+    /// A texel lookup; `table` is an index of [`Code::lookups`].
     Fetch,
     /// The difference across a quad of lanes, along x or along y.
     Derivative(bool),
 }
 
-/// An instruction. `sources` are as many as the operation has, further ones repeat the first.
+/// An instruction. The first `count` of `sources` are its operands; the others repeat the first.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Instr {
-    pub(super) op: Op,
-    pub(super) signed: bool,
-    pub(super) masked: bool,
-    pub(super) dst: Reg,
-    pub(super) sources: [Reg; 3],
-    pub(super) count: u8,
-    pub(super) table: u32,
-    pub(super) at: At,
+pub struct Instr {
+    pub op: Op,
+    pub signed: bool,
+    pub masked: bool,
+    pub dst: Reg,
+    pub sources: [Reg; 3],
+    pub count: u8,
+    pub table: u32,
+    pub at: At,
 }
 
-/// Where an instruction stands, a number of [`Code::places`]. Two programs are the same wherever their lines stand, so an
-/// outline prints none.
+/// The place of an instruction, an index of [`Code::places`]. Not part of a fingerprint: all places are equal and print
+/// nothing.
 #[derive(Clone, Copy, Default)]
-pub(super) struct At(pub(super) u32);
+pub struct At(pub u32);
 
 impl std::fmt::Debug for At {
     fn fmt(&self, _: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -103,32 +92,32 @@ impl PartialEq for At {
     }
 }
 
-/// A lookup in an image.
+/// A texture lookup.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Lookup {
-    /// Index of what is bound: see [`Code::images`].
-    pub(super) image: usize,
-    /// The coordinates, and behind them the level if the program names one.
-    pub(super) at: Vec<Reg>,
-    /// The channels; `None` where the program does not use one.
-    pub(super) channels: [Option<Reg>; 4],
+pub struct Lookup {
+    /// Index of [`Code::images`].
+    pub image: usize,
+    /// Coordinates, then the level if there is one.
+    pub at: Vec<Reg>,
+    /// Destinations of the channels; `None` for unused ones.
+    pub channels: [Option<Reg>; 4],
 }
 
-/// An image with the sampler that it is read through; 1, 2 or 3 axes.
+/// An image of 1, 2 or 3 axes, with its sampler.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Pair {
-    pub(super) image: u32,
-    pub(super) sampler: Option<u32>,
-    pub(super) axes: usize,
+pub struct Pair {
+    pub image: u32,
+    pub sampler: Option<u32>,
+    pub axes: usize,
 }
 
-/// Where a value that is the same for all lanes comes from.
+/// Source of a uniform register.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Source {
+pub enum Source {
     Float(u64),
     Int(u32, bool),
-    Truth(bool),
-    /// A scalar of a uniform block: binding, offset in bytes; whether it is signed matters to integers.
+    Bool(bool),
+    /// A scalar of a uniform block; `signed` matters for integers.
     Block {
         binding: u32,
         offset: u32,
@@ -142,20 +131,20 @@ pub(super) enum Source {
     },
 }
 
-/// Registers that are written in a part of the program, and may be read after it.
-pub(super) type Written = Vec<Reg>;
+/// Registers that a part of the program writes and later parts may read.
+pub type Written = Vec<Reg>;
 
 /// Structured control flow over ranges of instructions.
 #[derive(Clone, Debug)]
-pub(super) enum Node {
+pub enum Node {
     Run(usize, usize),
     If {
         condition: Reg,
         accept: Vec<Node>,
         reject: Vec<Node>,
         written: Written,
-        /// What the condition compares, where it is one comparison: it holds only if the first is at most the second, and
-        /// fails only if the second is at most the first.
+        /// Operands of a condition that is one comparison: it implies that the first is at most the second, and its
+        /// negation that the second is at most the first.
         compared: Option<[Reg; 2]>,
     },
     Loop(Box<Loop>),
@@ -175,21 +164,21 @@ pub(super) enum Node {
     Kill,
 }
 
-/// A loop: the body, what follows it and every `continue`, and whether that was the last turn.
+/// A loop: its body, the block after it and after every `continue`, and the exit condition.
 #[derive(Clone, Debug)]
-pub(super) struct Loop {
-    pub(super) body: Vec<Node>,
-    pub(super) continuing: Vec<Node>,
-    pub(super) break_if: Option<Reg>,
-    pub(super) written: Written,
-    pub(super) returns: bool,
-    pub(super) kills: bool,
-    pub(super) place: Place,
+pub struct Loop {
+    pub body: Vec<Node>,
+    pub continuing: Vec<Node>,
+    pub break_if: Option<Reg>,
+    pub written: Written,
+    pub returns: bool,
+    pub kills: bool,
+    pub place: Place,
 }
 
-/// File and line, for errors. Two programs are the same wherever their lines stand, so an outline prints none.
+/// File and line, for errors. Not part of a fingerprint: prints nothing.
 #[derive(Clone)]
-pub(super) struct Place(pub(super) String);
+pub struct Place(pub String);
 
 impl std::fmt::Debug for Place {
     fn fmt(&self, _: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -197,57 +186,65 @@ impl std::fmt::Debug for Place {
     }
 }
 
-/// A case of a switch: it is entered with one of `values`, or with any that no case has if it is the default.
+/// A case of a switch, entered for one of `values`, or for all other values if it is the default.
 #[derive(Clone, Debug)]
-pub(super) struct Case {
-    pub(super) values: Vec<u32>,
-    pub(super) default: bool,
-    pub(super) body: Vec<Node>,
-    /// Whether its end leads into the next case.
-    pub(super) falls: bool,
+pub struct Case {
+    pub values: Vec<u32>,
+    pub default: bool,
+    pub body: Vec<Node>,
+    /// Whether it falls through to the next case.
+    pub falls: bool,
 }
 
-/// What a lane starts with.
+/// An input of a lane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Input {
+pub enum Input {
     Fragment,
     Varying(u32),
 }
 
 /// A lowered program.
 #[derive(Debug, Default)]
-pub(super) struct Code {
-    /// Runs once: results are uniform, and so are its operands, under the same indices.
-    pub(super) prelude: Vec<Instr>,
-    pub(super) instrs: Vec<Instr>,
-    pub(super) body: Vec<Node>,
-    pub(super) tables: Vec<Vec<Reg>>,
-    pub(super) lookups: Vec<Lookup>,
-    pub(super) images: Vec<Pair>,
-    /// Uniform registers that are known before the prelude.
-    pub(super) sources: Vec<(Reg, Source)>,
-    /// Number of uniform registers, and of those with a value for each lane, by file.
-    pub(super) uniforms: [u32; 3],
-    pub(super) registers: [u32; 3],
-    pub(super) inputs: Vec<(Input, usize, Reg)>,
-    /// By location, the registers that hold the outputs at the end.
-    pub(super) outputs: Vec<(u32, Vec<Reg>)>,
-    /// Whether it needs lanes in quads.
-    pub(super) derivatives: bool,
-    /// Files and lines of instructions; the first is that of those without one.
-    pub(super) places: Vec<String>,
+pub struct Code {
+    /// Instructions over uniform registers, run once.
+    pub prelude: Vec<Instr>,
+    pub instrs: Vec<Instr>,
+    pub body: Vec<Node>,
+    pub tables: Vec<Vec<Reg>>,
+    pub lookups: Vec<Lookup>,
+    pub images: Vec<Pair>,
+    /// Uniform registers with values from outside or constants.
+    pub sources: Vec<(Reg, Source)>,
+    /// Number of uniform registers by file.
+    pub uniforms: [u32; 3],
+    /// Number of other registers by file.
+    pub registers: [u32; 3],
+    pub inputs: Vec<(Input, usize, Reg)>,
+    /// Locations and registers of the outputs.
+    pub outputs: Vec<(u32, Vec<Reg>)>,
+    /// Whether the program needs quads of lanes.
+    pub derivatives: bool,
+    /// Files and lines of instructions; the first is for those without one.
+    pub places: Vec<String>,
 }
 
 impl Instr {
-    /// Whether it has one result, in `dst`.
-    pub(super) fn single(&self) -> bool {
+    /// An instruction with some operands, unmasked and of unknown place.
+    pub fn new(op: Op, dst: Reg, operands: &[Reg]) -> Instr {
+        let mut sources = [operands[0]; 3];
+        sources[..operands.len()].copy_from_slice(operands);
+        Instr { op, signed: false, masked: false, dst, sources, count: operands.len() as u8, table: 0, at: At(0) }
+    }
+
+    /// Whether the result is in `dst`.
+    pub fn has_dst(&self) -> bool {
         !matches!(self.op, Op::Sample | Op::Fetch | Op::Nop)
     }
 }
 
 impl Code {
-    /// Every register that an instruction reads.
-    pub(super) fn reads(&self, instr: &Instr, mut on: impl FnMut(Reg)) {
+    /// Calls `on` with every register that an instruction reads.
+    pub fn reads(&self, instr: &Instr, mut on: impl FnMut(Reg)) {
         match instr.op {
             Op::Nop => {}
             Op::Sample | Op::Fetch => self.lookups[instr.table as usize].at.iter().copied().for_each(on),
@@ -260,14 +257,56 @@ impl Code {
         }
     }
 
-    /// Every register that an instruction writes.
-    pub(super) fn writes(&self, instr: &Instr, mut on: impl FnMut(Reg)) {
+    /// Calls `on` with every register that an instruction writes.
+    pub fn writes(&self, instr: &Instr, mut on: impl FnMut(Reg)) {
         match instr.op {
             Op::Nop => {}
             Op::Sample | Op::Fetch => {
                 self.lookups[instr.table as usize].channels.iter().flatten().copied().for_each(on);
             }
             _ => on(instr.dst),
+        }
+    }
+
+    /// Calls `on` with every register that is read, to rename it.
+    pub fn each_read(&mut self, on: &dyn Fn(&mut Reg)) {
+        self.instrs.iter_mut().flat_map(|instr| &mut instr.sources).for_each(on);
+        self.tables.iter_mut().flatten().for_each(on);
+        self.lookups.iter_mut().flat_map(|lookup| &mut lookup.at).for_each(on);
+        self.outputs.iter_mut().flat_map(|(_, regs)| regs).for_each(on);
+        self.body.iter_mut().for_each(|node| node.each_condition(on));
+    }
+}
+
+impl Node {
+    /// The child blocks.
+    pub fn children(&mut self) -> Vec<&mut Vec<Node>> {
+        match self {
+            Node::If { accept, reject, .. } => vec![accept, reject],
+            Node::Loop(node) => vec![&mut node.body, &mut node.continuing],
+            Node::Switch { cases, .. } => cases.iter_mut().map(|case| &mut case.body).collect(),
+            Node::Scope { body, .. } => vec![body],
+            Node::Run(..) | Node::Break | Node::Continue | Node::Return | Node::Kill => Vec::new(),
+        }
+    }
+
+    /// Calls `on` with every condition and selector, in order.
+    pub fn each_condition(&mut self, on: &dyn Fn(&mut Reg)) {
+        match self {
+            Node::If { condition, .. } => on(condition),
+            Node::Loop(node) => node.break_if.iter_mut().for_each(on),
+            Node::Switch { selector, .. } => on(selector),
+            Node::Scope { .. } | Node::Run(..) | Node::Break | Node::Continue | Node::Return | Node::Kill => {}
+        }
+        self.children().into_iter().flatten().for_each(|node| node.each_condition(on));
+    }
+
+    /// The list of registers that the node writes.
+    pub fn written(&mut self) -> Option<&mut Written> {
+        match self {
+            Node::If { written, .. } | Node::Switch { written, .. } | Node::Scope { written, .. } => Some(written),
+            Node::Loop(node) => Some(&mut node.written),
+            Node::Run(..) | Node::Break | Node::Continue | Node::Return | Node::Kill => None,
         }
     }
 }

@@ -1,145 +1,122 @@
-//! The number types that programs run in: what a float, an integer and a truth value have to offer.
+//! The traits of the number types that programs run in: floats, integers and booleans.
 //!
 //! Invariant: every function here is total. Integers have 32 bits and wrap, as on the GPU.
 
-use super::case::Case;
-use super::{BoundProgram, ExactError, Lanes, Measured};
+use crate::integer_splits::IntegerSplits;
+use crate::texture::Image;
 use std::fmt::Debug;
 
-/// Values that lie together in memory, part by part: so many make the vectors of a processor.
+/// Lanes whose values lie side by side in memory: enough for one vector of a processor.
 pub const GROUP: usize = 8;
 
-/// A value of which each lane has one.
-pub trait Packed: Copy {
-    /// [`GROUP`] of them.
+/// A value of one lane, stored in groups of lanes as one array for each of its parts.
+pub trait Packed: Copy + Debug + Send + Sync + 'static {
+    /// The values of [`GROUP`] lanes.
     type Group: Copy;
 
-    /// The same in every place.
+    /// A group with this value in every lane.
     fn splat(self) -> Self::Group;
-    /// The one in a place.
+    /// The value of a lane.
     fn get(group: &Self::Group, place: usize) -> Self;
-    /// Puts it in its place.
+    /// Sets the value of a lane.
     fn put(self, group: &mut Self::Group, place: usize);
 }
 
-/// Values of one part.
-macro_rules! packed_as_they_are {
-    ($($value:ty)*) => {$(
+/// Implements [`Packed`] for a value by its parts.
+macro_rules! packed {
+    ($value:ident as $this:ident: $count:literal $scalar:ty { $($part:ident: $of:expr),* } => $whole:expr) => {
         impl $crate::number::Packed for $value {
-            type Group = [$value; $crate::number::GROUP];
+            type Group = [[$scalar; $crate::number::GROUP]; $count];
 
             #[inline(always)]
             fn splat(self) -> Self::Group {
-                [self; $crate::number::GROUP]
+                let $this = self;
+                [$([$of; $crate::number::GROUP]),*]
             }
             #[inline(always)]
-            fn get(group: &Self::Group, place: usize) -> Self {
-                group[place]
+            fn get(group: &Self::Group, place: usize) -> $value {
+                let [$($part),*] = group;
+                $(let $part = $part[place];)*
+                $whole
             }
             #[inline(always)]
             fn put(self, group: &mut Self::Group, place: usize) {
-                group[place] = self;
+                let $this = self;
+                let [$($part),*] = group;
+                $($part[place] = $of;)*
             }
         }
-    )*};
+    };
 }
-pub(super) use packed_as_they_are;
+pub(crate) use packed;
 
-/// A type that stands for the floats of a program.
-pub trait Number: Packed + Debug + Send + Sync + 'static {
-    /// What stands for its integers.
-    type Int: Integer<Truth = Self::Truth>;
-    /// What stands for its truth values.
-    type Truth: Truth;
-    /// Whether every comparison has one answer: then a lane takes one way through the program.
+/// A set of values in the sense of abstract interpretation; a type of single values is one of sets with one element.
+pub trait Domain: Packed {
+    /// The set of all values, NaN included.
+    fn any() -> Self;
+    /// The union of two sets, or a set that holds it.
+    fn join(self, other: Self) -> Self;
+    /// Whether every value of `self` is one of `other`.
+    fn is_within(self, other: Self) -> bool;
+}
+
+/// A type for the floats of a program.
+pub trait Number: Domain {
+    /// The type for its integers.
+    type Int: Integer<Bool = Self::Bool>;
+    /// The type for its booleans.
+    type Bool: Bool;
+    /// Whether every comparison has one answer, so that each lane takes one path through the program.
     const DECIDED: bool;
 
-    /// Evaluates a program: [`BoundProgram::measure`].
-    ///
-    /// # Errors
-    /// As there.
-    fn measure(program: &BoundProgram<'_>, lanes: &Lanes<Self>) -> Result<Measured<Self>, ExactError>;
-    /// The number that is `x`.
+    /// The number `x`.
     fn new(x: f64) -> Self;
-    /// It as f64; NaN of what is more than one number.
+    /// The number as f64; NaN for types of several numbers.
     fn as_f64(self) -> f64 {
         f64::NAN
     }
-    /// Any number at all, NaN included.
-    fn whole() -> Self;
-    /// What is one or the other.
-    fn join(self, other: Self) -> Self;
-    /// Whether every value of `self` is one of `other`.
-    fn within(self, other: Self) -> bool;
-    /// `a` where the truth holds, else `b`.
-    fn select(truth: Self::Truth, a: Self, b: Self) -> Self;
-    /// The same, of a truth that is known.
-    fn one_of(truth: Self::Truth, a: Self, b: Self) -> Self;
-    /// What is left of it where it is at most another.
-    fn at_most(self, _: Self) -> Self {
-        self
-    }
-    /// What is left of it where it is at least another.
-    fn at_least(self, _: Self) -> Self {
+    /// `a` where the condition holds, else `b`.
+    fn select(condition: Self::Bool, a: Self, b: Self) -> Self;
+    /// [`Number::select`] for a condition that is decided.
+    fn select_decided(condition: Self::Bool, a: Self, b: Self) -> Self;
+    /// The part of `self` that is at most `b`, or more.
+    fn at_most(self, _b: Self) -> Self {
         self
     }
     /// A function of one number.
     fn unary(self, function: Unary) -> Self;
-    /// The same in a case of which it is known on which side of an integer a number lies.
-    fn in_case(self, function: Unary, _: &mut Case) -> Self {
+    /// [`Number::unary`] on a part of a segment whose crossings of integers are known or noted.
+    fn unary_split(self, function: Unary, _splits: &mut IntegerSplits) -> Self {
         self.unary(function)
     }
-    /// `self + b`.
-    fn add(self, b: Self) -> Self;
-    /// `self - b`.
-    fn sub(self, b: Self) -> Self;
-    /// `self * b`.
-    fn mul(self, b: Self) -> Self;
-    /// `self / b`.
-    fn div(self, b: Self) -> Self;
-    /// The lesser; the other one, if one is NaN.
-    fn min(self, b: Self) -> Self;
-    /// The greater; the other one, if one is NaN.
-    fn max(self, b: Self) -> Self;
-    /// `self` to the power of `b`; NaN of a negative number.
-    fn pow(self, b: Self) -> Self;
-    /// The angle of the point (`b`, `self`).
-    fn atan2(self, b: Self) -> Self;
-    /// `self - b * trunc(self / b)`.
-    fn rem(self, b: Self) -> Self;
-    /// `self / length` of a component and the length of its vector.
-    fn unit(self, length: Self) -> Self;
+    /// A function of two numbers.
+    fn binary(self, function: Binary, b: Self) -> Self;
     /// GLSL's `mix`: `self * (1 - t) + b * t`.
     fn mix(self, b: Self, t: Self) -> Self;
-    /// `self < b`.
-    fn less(self, b: Self) -> Self::Truth;
-    /// `self <= b`.
-    fn less_equal(self, b: Self) -> Self::Truth;
-    /// `self == b`.
-    fn equal(self, b: Self) -> Self::Truth;
-    /// Whether it is NaN.
-    fn is_nan(self) -> Self::Truth;
-    /// Whether it is infinite.
-    fn is_infinite(self) -> Self::Truth;
-    /// Towards zero, held in the range of the integers.
+    /// A comparison of two numbers.
+    fn compare(self, comparison: Comparison, b: Self) -> Self::Bool;
+    /// Whether the number is NaN.
+    fn is_nan(self) -> Self::Bool;
+    /// Whether the number is infinite.
+    fn is_infinite(self) -> Self::Bool;
+    /// Rounds towards zero and clamps to the range of integers.
     fn to_int(self, signed: bool) -> Self::Int;
-    /// The number that an integer is.
+    /// The number of an integer.
     fn from_int(int: Self::Int, signed: bool) -> Self;
-    /// The bits of the f32 next to it.
+    /// The bits of the nearest f32.
     fn to_bits(self, signed: bool) -> Self::Int;
     /// The f32 of these bits.
     fn from_bits(int: Self::Int) -> Self;
     /// `self * 2^exponent`.
     fn ldexp(self, exponent: Self::Int) -> Self;
-    /// A texture's channels (as far as `wanted` says) at texture coordinates of a level.
-    fn sample(image: &super::texture::Image<'_>, at: [Self; 3], level: Self, wanted: [bool; 4]) -> [Self; 4];
-    /// A texel; outside of the image the nearest.
-    fn fetch(image: &super::texture::Image<'_>, at: [Self::Int; 3]) -> [Self; 4];
+    /// The wanted channels of a texture at coordinates and a level; others may be 0.
+    fn sample(image: &Image<'_>, at: [Self; 3], level: Self, wanted: [bool; 4]) -> [Self; 4];
+    /// A texel; the nearest one for indices out of range.
+    fn fetch(image: &Image<'_>, at: [Self::Int; 3]) -> [Self; 4];
 }
 
 /// Functions of one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[expect(missing_docs, reason = "named as in GLSL")]
 pub enum Unary {
     Negate,
     Abs,
@@ -147,15 +124,15 @@ pub enum Unary {
     Floor,
     Ceil,
     Trunc,
-    /// Halves go to the even neighbor.
+    /// Rounds halves to even.
     Round,
     Fract,
-    /// Held in [0, 1].
+    /// Clamps to [0, 1].
     Saturate,
     Square,
     Sqrt,
     InverseSqrt,
-    /// `t * t * (3 - 2 t)` of t in [0, 1]: what `smoothstep` ends with.
+    /// `t * t * (3 - 2 t)` for t in [0, 1], the last step of `smoothstep`.
     Hermite,
     Exp,
     Exp2,
@@ -175,38 +152,60 @@ pub enum Unary {
     Atanh,
 }
 
-/// A type that stands for the 32-bit integers of a program; operations that differ say whether they are `signed`.
-pub trait Integer: Packed + Debug + Send + Sync + 'static {
-    /// What stands for truth values.
-    type Truth: Truth;
+/// Functions of two numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Binary {
+    Add,
+    Sub,
+    Mul,
+    Div,
+    /// The lesser; if one is NaN, the other one.
+    Min,
+    /// The greater; if one is NaN, the other one.
+    Max,
+    /// A component divided by the length of its vector.
+    Unit,
+    /// NaN for a negative base.
+    Pow,
+    /// The angle of the point (`b`, `a`).
+    Atan2,
+    /// `a - b * trunc(a / b)`.
+    Rem,
+}
+
+/// Comparisons of two numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Comparison {
+    Less,
+    LessEqual,
+    Equal,
+}
+
+/// A type for the 32-bit integers of a program; operations that differ by signedness take `signed`.
+pub trait Integer: Domain {
+    /// The type for booleans.
+    type Bool: Bool;
 
     /// The integer of these bits.
     fn new(bits: u32, signed: bool) -> Self;
-    /// Any integer.
-    fn whole() -> Self;
-    /// What is one or the other.
-    fn join(self, other: Self) -> Self;
-    /// Whether every value of `self` is one of `other`.
-    fn within(self, other: Self) -> bool;
-    /// `a` where the truth holds, else `b`.
-    fn select(truth: Self::Truth, a: Self, b: Self) -> Self;
+    /// `a` where the condition holds, else `b`.
+    fn select(condition: Self::Bool, a: Self, b: Self) -> Self;
     /// An operation on two integers.
     fn binary(self, function: IntBinary, b: Self, signed: bool) -> Self;
     /// An operation on one integer.
     fn unary(self, function: IntUnary, signed: bool) -> Self;
-    /// The same bits, read as signed or unsigned.
-    fn reread(self, signed: bool) -> Self;
+    /// Reinterprets the bits as signed or unsigned.
+    fn bitcast(self, signed: bool) -> Self;
     /// `self < b`.
-    fn less(self, b: Self, signed: bool) -> Self::Truth;
+    fn less(self, b: Self, signed: bool) -> Self::Bool;
     /// `self == b`.
-    fn equal(self, b: Self) -> Self::Truth;
-    /// The first and the last of `0..count` that a signed index may mean, held in that range.
+    fn equal(self, b: Self) -> Self::Bool;
+    /// The first and last element of `0..count` that a signed index selects, clamped to that range.
     fn index(self, count: usize) -> (usize, usize);
 }
 
-/// Operations on two integers; division by 0 gives 0, shifts go by the low five bits.
+/// Operations on two integers; division by 0 gives 0, shifts use the low five bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[expect(missing_docs, reason = "named as in GLSL")]
 pub enum IntBinary {
     Add,
     Sub,
@@ -224,7 +223,6 @@ pub enum IntBinary {
 
 /// Operations on one integer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[expect(missing_docs, reason = "named as in GLSL")]
 pub enum IntUnary {
     Negate,
     Not,
@@ -236,49 +234,23 @@ pub enum IntUnary {
     HighestBit,
 }
 
-impl IntUnary {
-    /// On bits.
-    pub(super) fn of(self, a: u32, signed: bool) -> u32 {
-        let index = |zeros: u32, bit: u32| if zeros == 32 { u32::MAX } else { bit };
-        match self {
-            IntUnary::Negate => a.wrapping_neg(),
-            IntUnary::Not => !a,
-            IntUnary::Abs => (a as i32).unsigned_abs(),
-            IntUnary::Sign => (a as i32).signum() as u32,
-            IntUnary::CountBits => a.count_ones(),
-            IntUnary::ReverseBits => a.reverse_bits(),
-            IntUnary::LowestBit => index(a.trailing_zeros(), a.trailing_zeros()),
-            IntUnary::HighestBit => {
-                let a = if signed && (a as i32) < 0 { !a } else { a };
-                index(a.leading_zeros(), 31u32.wrapping_sub(a.leading_zeros()))
-            }
-        }
-    }
-}
-
-/// A type that stands for truth values.
-pub trait Truth: Packed + Debug + Send + Sync + 'static {
-    /// The truth value that is `truth`.
-    fn new(truth: bool) -> Self;
-    /// True or false.
-    fn whole() -> Self;
-    /// What is one or the other.
-    fn join(self, other: Self) -> Self;
-    /// Whether every value of `self` is one of `other`.
-    fn within(self, other: Self) -> bool;
+/// A type for booleans.
+pub trait Bool: Domain {
+    /// The boolean `value`.
+    fn new(value: bool) -> Self;
     /// Whether it may be true.
     fn may_hold(self) -> bool;
     /// Whether it may be false.
     fn may_fail(self) -> bool;
-    /// Both.
+    /// Conjunction.
     fn and(self, b: Self) -> Self;
-    /// One or both.
+    /// Disjunction.
     fn or(self, b: Self) -> Self;
-    /// The contrary.
+    /// Negation.
     fn not(self) -> Self;
-    /// Whether both are the same.
+    /// Equivalence.
     fn equal(self, b: Self) -> Self;
-    /// `a` where it holds, else `b`.
+    /// `a` where `self` holds, else `b`.
     fn select(self, a: Self, b: Self) -> Self {
         self.and(a).or(self.not().and(b))
     }

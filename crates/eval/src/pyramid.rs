@@ -1,15 +1,13 @@
-//! Ranges of an image over boxes of many texels.
-//!
-//! Role: texels -> the least and the greatest of ever larger cubes of them, made once. Invariant: a box is covered by few cubes.
+//! Ranges of an image over boxes of many texels: a pyramid of minima and maxima.
 
 use rayon::prelude::*;
 
-/// So few texels or boxes along each axis are looked at one by one.
-pub(super) const FEW: usize = 3;
+/// Longest side of a box whose elements are visited one by one.
+pub const FEW: usize = 3;
 
-/// Least and greatest values of cubes of texels: of two texels along each side, of four, and so on.
+/// Minima and maxima of cubes with sides of 2, 4, 8 and more texels.
 #[derive(Debug)]
-pub(super) struct Pyramid {
+pub struct Pyramid {
     levels: Vec<Level>,
 }
 
@@ -19,11 +17,11 @@ struct Level {
     ranges: Vec<Extremes>,
 }
 
-/// The least and the greatest of each channel.
-pub(super) type Extremes = [[f32; 4]; 2];
+/// Minimum and maximum of each channel.
+pub type Extremes = [[f32; 4]; 2];
 
-/// The extremes of some boxes of a grid: from the first to the last along each axis.
-pub(super) fn range(size: [usize; 3], [x, y, z]: [[usize; 2]; 3], at: impl Fn(usize) -> Extremes) -> Extremes {
+/// The extremes of a range of elements of a grid.
+pub fn range(size: [usize; 3], [x, y, z]: [[usize; 2]; 3], at: impl Fn(usize) -> Extremes) -> Extremes {
     let [mut least, mut most] = [[f32::INFINITY; 4], [f32::NEG_INFINITY; 4]];
     for k in z[0]..=z[1] {
         for j in y[0]..=y[1] {
@@ -41,7 +39,7 @@ pub(super) fn range(size: [usize; 3], [x, y, z]: [[usize; 2]; 3], at: impl Fn(us
 }
 
 impl Level {
-    /// Of cubes of two boxes along each side of another grid.
+    /// The level above a grid.
     fn over(size: [usize; 3], at: impl Fn(usize) -> Extremes + Sync) -> Level {
         let of = |index: usize, axis: usize| [2 * index, (2 * index + 1).min(size[axis] - 1)];
         let halved = size.map(|side| side.div_ceil(2));
@@ -56,7 +54,7 @@ impl Level {
 }
 
 impl Pyramid {
-    pub(super) fn new(size: [u32; 3], texels: &[[f32; 4]]) -> Pyramid {
+    pub fn new(size: [u32; 3], texels: &[[f32; 4]]) -> Pyramid {
         let mut levels = vec![Level::over(size.map(|side| side as usize), |index| [texels[index]; 2])];
         while let Some(last) = levels.last().filter(|level| level.size.iter().any(|side| *side > 1)) {
             levels.push(Level::over(last.size, |index| last.ranges[index]));
@@ -64,9 +62,8 @@ impl Pyramid {
         Pyramid { levels }
     }
 
-    /// The range over a box of texels, of which it has so many along its longest side: of the boxes of one level that cover
-    /// it, at most four along each axis.
-    pub(super) fn range(&self, of: [[usize; 2]; 3], longest: usize) -> Extremes {
+    /// The range over a box of texels with this longest side, from one level: at most four cubes along each axis.
+    pub fn range(&self, of: [[usize; 2]; 3], longest: usize) -> Extremes {
         let level = (1..self.levels.len()).find(|level| longest >> level < FEW).unwrap_or(self.levels.len());
         let Level { size, ranges } = &self.levels[level - 1];
         range(*size, of.map(|ends| ends.map(|index| index >> level)), |index| ranges[index])

@@ -1,65 +1,63 @@
-//! Images: exact linear filtering at a point, and the range of an image over a box of coordinates.
+//! Images: linear filtering at a point, and the range over a box of coordinates.
 //!
-//! Texel i of n is centered at (i + 0.5) / n. Between texels values change linearly along each axis; no rounding of
-//! weights as in hardware.
+//! Texel i of n is centered at (i + 0.5) / n. Filter weights are not rounded as in hardware.
 
-use super::pyramid::{FEW, Pyramid, range};
+use crate::pyramid::{FEW, Pyramid, range};
 use noise::{Knots, Lattice, NOISE_BOUND};
 use std::sync::OnceLock;
 
-/// How coordinates outside of [0, 1] are taken.
+/// Address mode for coordinates outside [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wrap {
-    /// As the nearest texel of the edge.
+    /// The nearest texel of the edge.
     Clamp,
-    /// The image is repeated.
+    /// Repetition.
     Repeat,
-    /// The image is repeated, every other time mirrored.
+    /// Repetition, every other one mirrored.
     Mirror,
 }
 
-/// An image: decoded texels, x fastest. A line is `[n, 1, 1]`, a plane `[n, m, 1]`.
+/// Decoded texels, x fastest. The size of a 1D image is `[n, 1, 1]`, that of a 2D image `[n, m, 1]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
     /// Number of texels along each axis.
     pub size: [u32; 3],
-    /// Red, green, blue and alpha of each texel. Behind those of the image, those of ever coarser levels may follow, each
-    /// with half as many along every axis.
+    /// RGBA of each texel. Coarser levels may follow, each of half the size.
     pub texels: Vec<[f32; 4]>,
 }
 
-/// An image as a program reads it.
+/// A bound image.
 #[derive(Debug)]
 pub struct Image<'a> {
-    pub(super) size: [u32; 3],
+    pub(crate) size: [u32; 3],
     texels: &'a [[f32; 4]],
-    pub(super) wrap: Wrap,
-    /// 1, 2 or 3.
-    pub(super) axes: usize,
-    /// The next level, where there is one.
+    pub(crate) wrap: Wrap,
+    /// Number of axes: 1, 2 or 3.
+    pub(crate) axes: usize,
+    /// The next coarser level.
     coarser: Option<Box<Image<'a>>>,
-    /// Ranges of ever larger boxes: made when an interval is first looked up.
+    /// Ranges over boxes, built at the first lookup of a large one.
     pyramid: OnceLock<Pyramid>,
-    /// What stands in place of the texels.
-    pub(super) noise: Option<Lattice>,
+    /// Noise in place of texels.
+    pub(crate) noise: Option<Lattice>,
 }
 
-/// Texels of an image, without those of coarser levels.
-pub(super) fn count(size: [u32; 3]) -> usize {
+/// Number of texels of one level.
+pub(crate) fn count(size: [u32; 3]) -> usize {
     size.iter().map(|side| *side as usize).product()
 }
 
-/// Size of the next level.
-pub(super) fn halved(size: [u32; 3]) -> [u32; 3] {
+/// Size of the next coarser level.
+pub(crate) fn halved(size: [u32; 3]) -> [u32; 3] {
     size.map(|side| (side / 2).max(1))
 }
 
-/// Which two texels a coordinate lies between, and how far from the first.
+/// The two texels around a coordinate, and the distance from the first.
 fn place(coordinate: f64, count: u32, wrap: Wrap) -> ([usize; 2], f64) {
     let n = f64::from(count);
     let x = coordinate * n - 0.5;
     let x = if wrap == Wrap::Clamp { x.clamp(-1.0, n) } else { x };
-    // As `floor`, which is a call for each coordinate.
+    // `floor` would be a function call.
     let low = if x.abs() < 1e15 {
         let whole = (x as i64) as f64;
         if whole > x { whole - 1.0 } else { whole }
@@ -70,7 +68,7 @@ fn place(coordinate: f64, count: u32, wrap: Wrap) -> ([usize; 2], f64) {
     ([wrapped(first, count, wrap), wrapped(first + 1, count, wrap)], x - low)
 }
 
-/// The texel that an index means.
+/// The texel of an index in an address mode.
 fn wrapped(index: i64, count: u32, wrap: Wrap) -> usize {
     let n = i64::from(count);
     let index = match wrap {
@@ -87,20 +85,20 @@ fn wrapped(index: i64, count: u32, wrap: Wrap) -> usize {
 }
 
 impl<'a> Image<'a> {
-    /// An image whose texels are those of its levels.
-    pub(super) fn new(size: [u32; 3], texels: &'a [[f32; 4]], wrap: Wrap, axes: usize) -> Image<'a> {
+    /// An image from the texels of all its levels.
+    pub(crate) fn new(size: [u32; 3], texels: &'a [[f32; 4]], wrap: Wrap, axes: usize) -> Image<'a> {
         let (texels, rest) = texels.split_at(count(size));
         let coarser = (!rest.is_empty()).then(|| Box::new(Image::new(halved(size), rest, wrap, axes)));
         Image { size, texels, wrap, axes, coarser, pyramid: OnceLock::new(), noise: None }
     }
 
-    /// Noise, whose levels are its knots.
-    pub(super) fn of_noise(noise: Lattice) -> Image<'a> {
+    /// An image of noise; its levels select the knots.
+    pub(crate) fn of_noise(noise: Lattice) -> Image<'a> {
         Image { noise: Some(noise), ..Image::new([0; 3], &[], Wrap::Repeat, 3) }
     }
 
-    /// The channels at a point of a level, which lies between two where it is no whole number.
-    pub(super) fn sample_level(&self, at: [f64; 3], level: f64) -> [f64; 4] {
+    /// The channels at a point; fractional levels are interpolated.
+    pub(crate) fn sample_level(&self, at: [f64; 3], level: f64) -> [f64; 4] {
         if let Some(noise) = self.noise {
             let ([x, y, z], value) = noise.sample_of(Knots::of_level(level), at);
             return [x, y, z, value];
@@ -115,8 +113,8 @@ impl<'a> Image<'a> {
         }
     }
 
-    /// Lower and upper bounds of the channels over a box of coordinates and levels; those that are not wanted may be 0.
-    pub(super) fn range_levels(&self, within: [[f64; 2]; 3], levels: [f64; 2], wanted: [bool; 4]) -> [[f64; 2]; 4] {
+    /// Bounds of the wanted channels over a box of coordinates and levels; others may be 0.
+    pub(crate) fn range_levels(&self, within: [[f64; 2]; 3], levels: [f64; 2], wanted: [bool; 4]) -> [[f64; 2]; 4] {
         if let Some(noise) = self.noise {
             let ends = |end: usize| within.map(|within| within[end]);
             let knots = (levels[0] == levels[1]).then(|| Knots::of_level(levels[0]));
@@ -139,14 +137,14 @@ impl<'a> Image<'a> {
         }
     }
 
-    pub(super) fn texel(&self, at: [usize; 3]) -> [f32; 4] {
+    pub(crate) fn texel(&self, at: [usize; 3]) -> [f32; 4] {
         let [x, y, _] = self.size.map(|side| side as usize);
         self.texels[(at[2] * y + at[1]) * x + at[0]]
     }
 
-    /// The channels at a point.
-    pub(super) fn sample(&self, at: [f64; 3]) -> [f64; 4] {
-        // Of the two texels along each axis, where they are among all, and their weights.
+    /// The channels at a point of the finest level.
+    pub(crate) fn sample(&self, at: [f64; 3]) -> [f64; 4] {
+        // Offsets and weights of the two texels along each axis.
         let (mut places, mut weights, mut counts) = ([[0; 2]; 3], [[1.0; 2]; 3], [1; 3]);
         let mut stride = 1;
         for axis in 0..self.axes {
@@ -170,14 +168,14 @@ impl<'a> Image<'a> {
         sum
     }
 
-    /// Lower and upper bounds of the channels over a box of coordinates; those that are not wanted may be 0.
-    pub(super) fn range(&self, within: [[f64; 2]; 3], wanted: [bool; 4]) -> [[f64; 2]; 4] {
+    /// Bounds of the wanted channels over a box of coordinates; others may be 0.
+    pub(crate) fn range(&self, within: [[f64; 2]; 3], wanted: [bool; 4]) -> [[f64; 2]; 4] {
         let axes = [0, 1, 2].map(|axis| {
             if axis < self.axes { Crossed::of(within[axis], self.size[axis], self.wrap) } else { Some(POINT) }
         });
         if let [Some(x), Some(y), Some(z)] = axes {
             let axes = [x, y, z];
-            // One alone costs less by itself.
+            // A single channel has a faster path.
             return match wanted.map(usize::from) {
                 [0, 0, 0, 0] => [[0.0; 2]; 4],
                 [r, g, b, a] if r + g + b + a == 1 => {
@@ -201,16 +199,15 @@ impl<'a> Image<'a> {
             let of = [0, 1, 2].map(|axis| ranges[axis][pick[axis]]);
             include(&mut all, self.texels(of));
         }
-        // A mean of texels is rounded.
+        // The rounding of a weighted mean.
         all.map(|[low, high]| {
             let margin = 16.0 * f64::EPSILON * low.abs().max(high.abs());
             [low - margin, high + margin]
         })
     }
 
-    /// The cell that a box of coordinates lies in, if it is one: places of its first texel, and the texels at its corners,
-    /// x fastest.
-    pub(super) fn cell(&self, within: [[f64; 2]; 3]) -> Option<([f64; 3], [[f32; 4]; 8])> {
+    /// The only cell that a box of coordinates meets: index of its first texel, and its corners, x fastest.
+    pub(crate) fn cell(&self, within: [[f64; 2]; 3]) -> Option<([f64; 3], [[f32; 4]; 8])> {
         let mut base = [0.0; 3];
         let mut ends = [[0; 2]; 3];
         for axis in 0..self.axes {
@@ -225,34 +222,9 @@ impl<'a> Image<'a> {
         Some((base, [0, 1, 2, 3, 4, 5, 6, 7].map(corner)))
     }
 
-    /// Least and greatest slopes of each channel over a box of coordinates, along each axis: what two texels beside each other
-    /// differ by, where what is between them is met. `None` where the box is of many cells.
-    pub(super) fn slopes(&self, within: [[f64; 2]; 3]) -> Option<[[[f64; 2]; 3]; 4]> {
-        let mut axes = [POINT; 3];
-        for axis in 0..self.axes {
-            axes[axis] = Crossed::of(within[axis], self.size[axis], self.wrap)?;
-        }
-        let counts = [0, 1, 2].map(|axis| axes[axis].count);
-        let texel = |at: [usize; 3]| self.texel([0, 1, 2].map(|axis| axes[axis].texels[at[axis]]));
-        let mut all = [counts.map(|count| if count > 1 { [f64::INFINITY, f64::NEG_INFINITY] } else { [0.0; 2] }); 4];
-        for axis in (0..3).filter(|axis| counts[*axis] > 1) {
-            let ends = [0, 1, 2].map(|other| counts[other] - usize::from(other == axis));
-            for place in 0..ends.iter().product() {
-                let at = [place % ends[0], place / ends[0] % ends[1], place / ends[0] / ends[1]];
-                let next = [0, 1, 2].map(|other| at[other] + usize::from(other == axis));
-                for (channel, (from, to)) in texel(at).into_iter().zip(texel(next)).enumerate() {
-                    let slope = (f64::from(to) - f64::from(from)) * f64::from(self.size[axis]);
-                    let [least, most] = &mut all[channel][axis];
-                    (*least, *most) = (least.min(slope), most.max(slope));
-                }
-            }
-        }
-        Some(all)
-    }
-
-    /// The ranges of some channels over a box of few cells: multilinear within each, so that the extremes are at corners of
-    /// their parts.
-    #[inline(always)] // the channels beside each other
+    /// Ranges of channels over a box of few cells. Filtering is multilinear in each, so the extremes are at corners of the
+    /// parts of the box in the cells.
+    #[inline(always)] // vectorizes over the channels
     fn extremes<const N: usize>(&self, [x, y, z]: &[Crossed; 3], of: impl Fn([f32; 4]) -> [f32; N]) -> [[f64; 2]; N] {
         let mix =
             |a: [f64; N], b: [f64; N], part: f64| -> [f64; N] { std::array::from_fn(|c| a[c] + part * (b[c] - a[c])) };
@@ -292,8 +264,8 @@ impl<'a> Image<'a> {
         })
     }
 
-    /// Lower and upper bounds of the channels over a box of texels.
-    pub(super) fn texels(&self, of: [[usize; 2]; 3]) -> [[f64; 2]; 4] {
+    /// Bounds of the channels over a box of texels.
+    pub(crate) fn texels(&self, of: [[usize; 2]; 3]) -> [[f64; 2]; 4] {
         let longest = of.iter().map(|[first, last]| last - first).max().unwrap_or(0);
         let [least, most] = match longest {
             ..FEW => range(self.size.map(|side| side as usize), of, |index| [self.texels[index]; 2]),
@@ -302,7 +274,7 @@ impl<'a> Image<'a> {
         [0, 1, 2, 3].map(|channel| [least[channel], most[channel]].map(f64::from))
     }
 
-    /// The texels that indices from one to another mean: one range or two, first and last.
+    /// The one or two ranges of texels of a range of indices.
     fn indices(&self, from: f64, to: f64, count: u32) -> ([[usize; 2]; 2], usize) {
         let n = i64::from(count);
         let whole = ([[0, count as usize - 1]; 2], 1);
@@ -330,30 +302,30 @@ impl<'a> Image<'a> {
     }
 }
 
-/// Places between texels, of a range of coordinates: with twice the rounding of a product of this size.
+/// Positions of a range of coordinates in units of texels, widened by twice the rounding.
 fn scaled([low, high]: [f64; 2], count: u32) -> [f64; 2] {
     let n = f64::from(count);
     let margin = (low.abs().max(high.abs()) * n + 1.0) * 4.0 * f64::EPSILON;
     [low * n - 0.5 - margin, high * n - 0.5 + margin]
 }
 
-/// Ends of a range of coordinates and the texels between them, at most.
+/// Most texels that a range of coordinates may meet for [`Crossed`], including its ends.
 const MOST_POINTS: usize = 4;
 
-/// A range of coordinates that crosses few texels.
+/// A range of coordinates that meets few texels.
 struct Crossed {
-    /// From the one before the range to the one behind it.
+    /// From the texel before the range to the one behind it.
     texels: [usize; MOST_POINTS],
-    /// Its ends and the texels in it: how far behind the first texel.
+    /// Ends of the range and the texels in it, relative to the first texel.
     points: [f64; MOST_POINTS],
     count: usize,
 }
 
-/// Along an axis that an image has not.
+/// The range along a missing axis.
 const POINT: Crossed = Crossed { texels: [0; MOST_POINTS], points: [0.0; MOST_POINTS], count: 1 };
 
 impl Crossed {
-    /// `None`, where it crosses many.
+    /// `None` if the range meets many texels.
     fn of(within: [f64; 2], count: u32, wrap: Wrap) -> Option<Crossed> {
         let mut ends = scaled(within, count);
         if wrap == Wrap::Clamp {
@@ -374,7 +346,7 @@ impl Crossed {
         &self.texels[..self.count]
     }
 
-    /// The texel before each point, and how far from it.
+    /// The texel before each point, and the distance from it.
     fn points(&self) -> impl Iterator<Item = (usize, f64)> {
         self.points[..self.count].iter().map(|&point| {
             let first = (point as usize).min(self.count.saturating_sub(2));

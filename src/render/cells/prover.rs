@@ -3,7 +3,7 @@
 //! Invariant: the disk cache keeps slow proofs under a hash of all that they depend on.
 
 use super::bounded_noise;
-use crate::eval::{self, Device, Interval, Outline};
+use crate::eval::{self, F32Interval, Interval, Fingerprint};
 use crate::noise::Lattice;
 use crate::render::camera::FrameContext;
 use crate::render::error::RenderError;
@@ -60,7 +60,7 @@ pub(super) enum CellProver {
 pub(super) struct BoundedProgram {
     pub(super) reads: Arc<Reads>,
     pub(super) code: eval::Program,
-    outline: Outline,
+    fingerprint: Fingerprint,
     pub(super) inputs: eval::Inputs,
     pub(super) texels: u64,
     /// Hash of the program, its images and their filters.
@@ -115,8 +115,8 @@ impl CellProver {
             Ok(code) => code,
             Err(error) => return Ok(CellProver::Unavailable(error.to_string())),
         };
-        let outline = code.outline();
-        let is_read = |binding: &u32| outline.images.iter().any(|(image, _)| image == binding);
+        let fingerprint = code.fingerprint();
+        let is_read = |binding: &u32| fingerprint.images.iter().any(|(image, _)| image == binding);
         let read = program.resources.iter().filter(|resource| is_read(&resource.binding));
         let read = read.filter(|resource| noise.is_none() || resource.name != bounded_noise::LOOKED_UP);
         let read: Vec<ImageInfo> = read.filter_map(|resource| image_of(&resource.name)).collect();
@@ -133,7 +133,7 @@ impl CellProver {
             return Ok(CellProver::Idle(texels));
         }
         let (library, frame) = (library.clone(), frame.clone());
-        let read = move || BoundedProgram::new(&library, &frame, (program, code, outline), (texels, noise));
+        let read = move || BoundedProgram::new(&library, &frame, (program, code, fingerprint), (texels, noise));
         Ok(match thread::Builder::new().stack_size(STACK).spawn(read) {
             Ok(thread) => CellProver::Loading(texels, Some(thread)),
             Err(error) => CellProver::Unavailable(format!("cannot start a thread: {error}")),
@@ -163,16 +163,16 @@ impl BoundedProgram {
     fn new(
         library: &Library,
         frame: &FrameContext,
-        (mut program, code, outline): (Program, eval::Program, Outline),
+        (mut program, code, fingerprint): (Program, eval::Program, Fingerprint),
         (texels, noise): (u64, Option<Lattice>),
     ) -> Result<BoundedProgram, RenderError> {
         let is_noise = |resource: &&mut Resource| noise.is_some() && resource.name == bounded_noise::LOOKED_UP;
         let place = program.resources.iter_mut().find(is_noise).map(|resource| resource.binding);
         program.resources.retain(|resource| Some(resource.binding) != place);
         let Inputs { mut images, samplers, .. } = Inputs::new(library, frame, &program, &|_| ())?;
-        images.retain(|(binding, _)| outline.images.iter().any(|(image, _)| image == binding));
+        images.retain(|(binding, _)| fingerprint.images.iter().any(|(image, _)| image == binding));
         let mut hash = blake3::Hasher::new();
-        hash.update(outline.hash.as_bytes());
+        hash.update(fingerprint.hash.as_bytes());
         for (binding, image) in &images {
             hash.update(format!("{binding} {:?} {:?}", image.dimension, image.format).as_bytes());
             hash.update(blake3::hash(&image.bytes).as_bytes());
@@ -187,7 +187,7 @@ impl BoundedProgram {
         let noises = place.zip(noise).into_iter().collect();
         let inputs = eval::Inputs { images, samplers, noises, ..eval::Inputs::default() };
         let reads = Arc::new(Reads { members: program.members_read(), program });
-        Ok(BoundedProgram { reads, code, outline, inputs, texels, hash })
+        Ok(BoundedProgram { reads, code, fingerprint, inputs, texels, hash })
     }
 
     /// Sets the uniforms for the time span from `time` to `until`. Returns the bits of all values that depend on them
@@ -198,7 +198,7 @@ impl BoundedProgram {
         if self.inputs.until == self.inputs.blocks {
             self.inputs.until.clear(); // independent of time
         }
-        Ok(self.code.values(&self.outline, &self.inputs.blocks)?)
+        Ok(self.code.values(&self.fingerprint, &self.inputs.blocks)?)
     }
 
     /// Proves cells for the uniforms of [`BoundedProgram::fill`]: emptiness, and whether the proof came from the disk
@@ -242,9 +242,9 @@ impl BoundedProgram {
         let mut open: Vec<[u32; 3]> = children([0; 3], side).collect();
         loop {
             let is_empty = |cells: &[[u32; 3]]| {
-                let places = cells.iter().map(|cell| boxes.cell(*cell, side).map(Device)).collect();
-                let lanes = eval::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places)].into() };
-                let (outputs, operations) = bound.measure::<Device>(&lanes)?;
+                let places = cells.iter().map(|cell| boxes.cell(*cell, side).map(F32Interval)).collect();
+                let lanes = eval::Invocations { fragment_coordinates: Vec::new(), varyings: [(0, places)].into() };
+                let (outputs, operations) = bound.measure::<F32Interval>(&lanes)?;
                 Ok((outputs[&0].iter().map(|[alpha, ..]| alpha.0.hi <= 0.0).collect(), operations))
             };
             let mut decided: Vec<(Vec<bool>, u64)> = Vec::new();

@@ -128,7 +128,7 @@ fn judge(scene: &Scene, side: u32, random: &mut SplitMix, samples: usize) -> (us
         // Clamping weights the faces of the box.
         cell.map(|range| range.lo + (range.hi - range.lo) * (1.5 * random.unit() - 0.25).clamp(0.0, 1.0))
     });
-    let lanes = eval::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places.collect())].into() };
+    let lanes = eval::Invocations { fragment_coordinates: Vec::new(), varyings: [(0, places.collect())].into() };
     let (code, inputs) = drawn(scene, &library, &frame);
     let outputs = code.bind(&inputs).unwrap().run::<f64>(&lanes).unwrap();
     (which.len(), outputs[&0].iter().filter(|[.., alpha]| alpha.is_nan() || *alpha > 0.0).count())
@@ -208,7 +208,7 @@ fn m61_noise_that_bounds_look_up_is_the_noise_that_is_computed() {
         assert!(!bounded.inputs.noises.is_empty(), "{name}, {of:?}");
         let whole = CellGrid::of(&frame, 1).cell([0; 3], 1);
         let places = (0..20_000).map(|_| whole.map(|range| range.lo + (range.hi - range.lo) * random.unit())).collect();
-        let lanes = eval::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places)].into() };
+        let lanes = eval::Invocations { fragment_coordinates: Vec::new(), varyings: [(0, places)].into() };
         let looked_up = bounded.code.bind(&bounded.inputs).unwrap().run::<f64>(&lanes).unwrap();
         let (code, inputs) = drawn(&scene, &library, &frame);
         let computed = code.bind(&inputs).unwrap().run::<f64>(&lanes).unwrap();

@@ -43,7 +43,7 @@ fn m61_cells_that_are_empty_over_an_interval_of_time_are_so_at_each_time_in_it()
                 let cell = boxes.cell([index % SIDE, index / SIDE % SIDE, index / SIDE / SIDE], SIDE);
                 cell.map(|range| range.lo + (range.hi - range.lo) * (1.5 * random.unit() - 0.25).clamp(0.0, 1.0))
             });
-            let lanes = eval::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places.collect())].into() };
+            let lanes = eval::Invocations { fragment_coordinates: Vec::new(), varyings: [(0, places.collect())].into() };
             let (code, inputs) = drawn(&scene, &library, &frame);
             let outputs = code.bind(&inputs).unwrap().run::<f64>(&lanes).unwrap();
             let matter = outputs[&0].iter().filter(|[.., alpha]| alpha.is_nan() || *alpha > 0.0).count();
@@ -80,7 +80,7 @@ fn segments_of_noise_that_is_looked_up_hold_what_is_drawn() {
             })
             .collect();
         let along = |[from, to]: &[[f64; 4]; 2]| [0, 1, 2, 3].map(|axis| eval::Affine::between(from[axis], to[axis]));
-        let lanes = eval::Lanes {
+        let lanes = eval::Invocations {
             fragment_coordinates: vec![[eval::Affine::bounded(eval::Interval::of(0.5, 0.5)); 4]; SEGMENTS],
             varyings: [(0, segments.iter().map(along).collect())].into(),
         };
@@ -96,7 +96,7 @@ fn segments_of_noise_that_is_looked_up_hold_what_is_drawn() {
                     [0, 1, 2, 3].map(|axis| from[axis] + part * (to[axis] - from[axis]))
                 };
                 let places = segments.iter().zip(&parts).map(place).collect();
-                let lanes = eval::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places)].into() };
+                let lanes = eval::Invocations { fragment_coordinates: Vec::new(), varyings: [(0, places)].into() };
                 bound.run::<f64>(&lanes).unwrap().remove(&0).unwrap()
             });
             for (index, ([.., a], [.., b])) in found[0].iter().zip(&found[1]).enumerate() {

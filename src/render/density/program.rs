@@ -3,7 +3,7 @@
 //! Invariant: the density is that of the scene's program, evaluated by [`eval`](crate::eval) in f64 and in bounds.
 
 use super::error::PolygonizeError;
-use crate::eval::{self, Device, ExactError, Interval, Sloped};
+use crate::eval::{self, Affine, ExactError, F32Interval, Interval};
 use crate::render::camera::View;
 use crate::render::cells::{LOOKED_UP, bounded};
 use crate::render::error::RenderError;
@@ -51,9 +51,8 @@ impl DensityProgram {
         Ok(DensityProgram { code, inputs, view, library, variant, octaves, cpu_inputs })
     }
 
-    /// Bounds of the density, and of its difference quotient, along the segments between consecutive `places`, each of
-    /// this `length`; object space.
-    fn between(&self, places: &[DVec3], length: f64) -> Result<Vec<Sloped>, PolygonizeError> {
+    /// Bounds of the density along segments in object space, each from one of these places to the next.
+    fn between(&self, places: &[DVec3]) -> Result<Vec<Interval>, PolygonizeError> {
         let (own, inputs) = match bounded(&self.variant, &self.library) {
             None => (None, self.inputs.clone()),
             Some((program, noise)) => {
@@ -67,12 +66,12 @@ impl DensityProgram {
         let bound = own.as_ref().unwrap_or(&self.code).bind(&inputs)?;
         let places = places.windows(2).map(|ends| {
             let [from, to] = [ends[0], ends[1]].map(|end| end.to_array());
-            let [x, y, z] = [0, 1, 2].map(|axis| Sloped::between(from[axis], to[axis], length));
+            let [x, y, z] = [0, 1, 2].map(|axis| Affine::between(from[axis], to[axis]));
             [x, y, z, eval::Number::new(0.0)]
         });
-        let lanes = eval::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places.collect())].into() };
-        let outputs = bound.run::<Sloped>(&lanes)?;
-        Ok(outputs[&0].iter().map(|[density, ..]| *density).collect())
+        let segments = eval::Invocations { fragment_coordinates: Vec::new(), varyings: [(0, places.collect())].into() };
+        let outputs = bound.run::<Affine>(&segments)?;
+        Ok(outputs[&0].iter().map(|[density, ..]| density.all).collect())
     }
 
     /// Binds the inputs of the program.
@@ -92,20 +91,20 @@ impl Density<'_> {
     /// Evaluates the density at points in object space.
     pub fn at(&self, places: &[DVec3]) -> Result<Vec<f64>, ExactError> {
         let places = places.iter().map(|place| [place.x, place.y, place.z, 0.0]).collect();
-        let lanes = eval::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places)].into() };
+        let lanes = eval::Invocations { fragment_coordinates: Vec::new(), varyings: [(0, places)].into() };
         let outputs = self.bound.run::<f64>(&lanes)?;
         Ok(outputs[&0].iter().map(|[density, ..]| *density).collect())
     }
 
     /// Classifies boxes: true if completely inside, false if completely outside, `None` if undecided.
     pub fn sides(&self, boxes: &[[DVec3; 2]]) -> Result<Vec<Option<bool>>, ExactError> {
-        let interval = |lo, hi| Device(Interval { lo, hi });
+        let interval = |lo, hi| F32Interval(Interval { lo, hi });
         let places = boxes.iter().map(|[low, high]| {
             let [x, y, z] = [0, 1, 2].map(|axis| interval(low[axis], high[axis]));
             [x, y, z, interval(0.0, 0.0)]
         });
-        let lanes = eval::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places.collect())].into() };
-        let outputs = self.bound.run::<Device>(&lanes)?;
+        let lanes = eval::Invocations { fragment_coordinates: Vec::new(), varyings: [(0, places.collect())].into() };
+        let outputs = self.bound.run::<F32Interval>(&lanes)?;
         let side = |density: Interval| match density {
             Interval { lo, .. } if lo >= self.level => Some(true),
             Interval { hi, .. } if hi < self.level => Some(false),
@@ -153,42 +152,14 @@ pub struct Along {
     pub density: f64,
     /// Bounds of the density up to the next point; at the last point, its density.
     pub range: [f64; 2],
-    /// Bounds of the density's difference quotient up to the next point, per object unit; infinite where the density
-    /// may jump.
-    pub slope: [f64; 2],
 }
 
 /// Tolerance for constants of noise in f32, which bounds and f64 round differently.
 const ROUNDED: f64 = 1e-6;
 
-impl Along {
-    /// Narrows the range by the slope.
-    fn narrowed(self, next: &Along) -> Along {
-        let (length, [fall, rise]) = (next.depth - self.depth, self.slope);
-        let [from, to] = [self.density, next.density];
-        let least = |from: f64, to: f64, fall: f64, rise: f64| {
-            if fall >= 0.0 {
-                from
-            } else if rise <= 0.0 {
-                to
-            } else {
-                // Steepest fall, then steepest rise.
-                from + fall * ((from - to + length * rise) / (rise - fall)).clamp(0.0, length)
-            }
-        };
-        let range = [least(from, to, fall, rise), -least(-from, -to, -rise, -fall)];
-        if range.iter().any(|end| !end.is_finite()) {
-            return self;
-        }
-        let low = self.range[0].max(range[0] - ROUNDED).min(from).min(to);
-        let high = self.range[1].min(range[1] + ROUNDED).max(from).max(to);
-        Along { range: [low, high], ..self }
-    }
-}
-
-/// Density profile of a scene at its first moment along the ray through a pixel center: at `places` equidistant points
-/// within the box around the soft region, with bounds between them, in which noise is known to about 1e-6. Empty if the
-/// ray misses the box. Bent rays are replaced by straight ones.
+/// The density of a scene at its first moment along the ray through the middle of a pixel: at `places` equal distances from
+/// where the ray enters the box around the soft region to where it leaves it, and bounds between them, in which noise is taken
+/// to about 1e-6. Empty where the ray misses the box. Of a ray that bends, it is the straight one.
 ///
 /// # Errors
 /// As [`polygonize`](crate::render::polygonize), except for its settings.
@@ -229,21 +200,15 @@ pub fn density_along(
     };
     let densities = all.iter().zip(found).map(|(place, density)| if kept(place) { density } else { 0.0 });
     let mut along: Vec<Along> = (depths.iter().zip(densities))
-        .map(|(depth, density)| Along { depth: depth * unit, density, range: [density; 2], slope: [0.0; 2] })
+        .map(|(depth, density)| Along { depth: depth * unit, density, range: [density; 2] })
         .collect();
-    let between = program.between(&all, step * unit)?;
-    for (index, Sloped { all: range, slope }) in between.into_iter().enumerate() {
-        let (range, slope) = ([range.lo - ROUNDED, range.hi + ROUNDED], [slope.lo, slope.hi]);
-        let part = match [index, index + 1].map(|end| kept(&all[end])) {
-            [true, true] => Along { range, slope, ..along[index] },
-            [false, false] => along[index],
-            // The clip plane cuts the segment.
-            _ => {
-                let range = [range[0].min(0.0), range[1].max(0.0)];
-                Along { range, slope: [f64::NEG_INFINITY, f64::INFINITY], ..along[index] }
-            }
+    for (index, range) in program.between(&all)?.into_iter().enumerate() {
+        let range = [range.lo - ROUNDED, range.hi + ROUNDED];
+        along[index].range = match [index, index + 1].map(|end| kept(&all[end])) {
+            [true, true] => range,
+            [false, false] => [0.0; 2],
+            _ => [range[0].min(0.0), range[1].max(0.0)],
         };
-        along[index] = part.narrowed(&along[index + 1]);
     }
     Ok(along)
 }

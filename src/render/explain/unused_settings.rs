@@ -4,7 +4,7 @@
 //! code, the values and images that it reads, and the state of drawing. Settings that only affect the time are not
 //! listed.
 
-use crate::eval::{self, Outline};
+use crate::eval::{self, Fingerprint};
 use crate::field::Key;
 use crate::noise::Period;
 use crate::render::camera::{FrameContext, SubFrame};
@@ -143,7 +143,7 @@ struct PictureComparer<'a> {
 /// A program, and its fingerprint if the evaluator covers it.
 struct Read {
     program: Program,
-    outline: Option<(eval::Program, Outline)>,
+    fingerprint: Option<(eval::Program, Fingerprint)>,
 }
 
 impl<'a> PictureComparer<'a> {
@@ -249,8 +249,8 @@ impl<'a> PictureComparer<'a> {
             let names: HashMap<u32, &str> =
                 read.program.resources.iter().map(|resource| (resource.binding, resource.name.as_str())).collect();
             let name = |binding: u32| names.get(&binding).copied().unwrap_or_default();
-            let pairs = match &read.outline {
-                Some((_, outline)) => outline.images.clone(),
+            let pairs = match &read.fingerprint {
+                Some((_, fingerprint)) => fingerprint.images.clone(),
                 None => {
                     read.program.resources.iter().map(|resource| (resource.binding, Some(resource.binding))).collect()
                 }
@@ -268,9 +268,12 @@ impl<'a> PictureComparer<'a> {
             for values in &moments {
                 let blocks = blocks(&read.program, values)?.into_iter();
                 let blocks = blocks.map(|(resource, bytes)| (resource.binding, bytes)).collect();
-                let known = read.outline.as_ref().map(|(program, outline)| (outline, program.values(outline, &blocks)));
+                let known = read
+                    .fingerprint
+                    .as_ref()
+                    .map(|(program, fingerprint)| (fingerprint, program.values(fingerprint, &blocks)));
                 let drawn = match known {
-                    Some((outline, Ok(values))) => format!("{} {values:?}", outline.hash),
+                    Some((fingerprint, Ok(values))) => format!("{} {values:?}", fingerprint.hash),
                     _ => format!("{:?} {} {blocks:?}", read.program.fragment, scene.effect.octaves),
                 };
                 // Shadows are cast once for a resting scene, else for each sub-frame whose values differ from the
@@ -294,11 +297,11 @@ impl<'a> PictureComparer<'a> {
             return Ok(known.clone());
         }
         let program = variant.program(self.library, Linker::new)?;
-        let outline = eval::Program::read(&program.fragment, &[(OCTAVES_ID, octaves)]).ok().map(|read| {
-            let outline = read.outline();
-            (read, outline)
+        let fingerprint = eval::Program::read(&program.fragment, &[(OCTAVES_ID, octaves)]).ok().map(|read| {
+            let fingerprint = read.fingerprint();
+            (read, fingerprint)
         });
-        let read = Rc::new(Read { program, outline });
+        let read = Rc::new(Read { program, fingerprint });
         self.programs.insert(key, read.clone());
         Ok(read)
     }

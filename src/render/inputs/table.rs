@@ -1,7 +1,7 @@
 //! Tabulated module functions: the evaluator runs the module itself, so that its formula is written once.
 
 use super::uniforms::{Values, blocks};
-use crate::eval::{Inputs, Lanes, Program};
+use crate::eval::{Inputs, Invocations, Program};
 use crate::render::error::RenderError;
 use crate::render::variant::{Resource, Use, Variant};
 use crate::shader::{Library, Linker};
@@ -42,7 +42,8 @@ impl Function {
     /// Evaluates the function at each input.
     pub(crate) fn at(&self, given: impl Iterator<Item = [f32; 2]>) -> Result<Vec<f32>, RenderError> {
         let given: Vec<_> = given.map(|[a, b]| [f64::from(a), f64::from(b), 0.0, 0.0]).collect();
-        let lanes = Lanes { fragment_coordinates: vec![[0.0; 4]; given.len()], varyings: BTreeMap::from([(0, given)]) };
+        let lanes =
+            Invocations { fragment_coordinates: vec![[0.0; 4]; given.len()], varyings: BTreeMap::from([(0, given)]) };
         let values = self.program.bind(&self.inputs)?.run::<f64>(&lanes)?.remove(&0).unwrap_or_default();
         Ok(values.into_iter().map(|value| value[0] as f32).collect())
     }

@@ -95,7 +95,7 @@ impl<'a> Glass<'a> {
                     |quad: [u32; 2], k: u32| [2 * quad[0] + k % 2, 2 * quad[1] + k / 2].map(|c| f64::from(c) + 0.5);
                 let at = quads.iter().flat_map(|(quad, _)| [0, 1, 2, 3].map(|k| place(**quad, k)));
                 let fragment_coordinates = at.map(|[x, y]| [x, y, 0.5, 1.0]).collect();
-                let lanes = eval::Lanes { fragment_coordinates, varyings: BTreeMap::new() };
+                let lanes = eval::Invocations { fragment_coordinates, varyings: BTreeMap::new() };
                 let light = bound.run::<f64>(&lanes)?.remove(&0).unwrap_or_default();
                 for ((_, sum), light) in quads.iter_mut().zip(light.as_chunks::<4>().0) {
                     for (sum, light) in sum.as_flattened_mut().iter_mut().zip(light.as_flattened()) {

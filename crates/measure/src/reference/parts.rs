@@ -194,7 +194,7 @@ impl Probe {
             ([x, y, point(0.5), point(1.0)], [depth, point(self.path()), point(0.0), point(0.0)])
         });
         let (fragment_coordinates, places) = lanes.unzip();
-        let lanes = eval::Lanes { fragment_coordinates, varyings: [(0, places)].into() };
+        let lanes = eval::Invocations { fragment_coordinates, varyings: [(0, places)].into() };
         let open = |lane: usize, alpha| is_open(self.extinction(alpha), wanted[order[lane]].length);
         let mut found = vec![Extinction::ANY; wanted.len()];
         for (&at, alpha) in order.iter().zip(bounds.bounds(&lanes, &open)?) {

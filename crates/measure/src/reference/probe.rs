@@ -198,7 +198,7 @@ impl Probe {
                     go_on(stop)?;
                     let places: Vec<[u32; 2]> = lit.iter().map(|([x, y], _)| [left + x, top + y]).collect();
                     let at = |[x, y]: &[u32; 2]| [f64::from(*x) + 0.5, f64::from(*y) + 0.5, 0.5, 1.0];
-                    let lanes = eval::Lanes {
+                    let lanes = eval::Invocations {
                         fragment_coordinates: places.iter().map(at).collect(),
                         varyings: BTreeMap::new(),
                     };
@@ -227,13 +227,13 @@ impl Probe {
     }
 
     /// What the program reads at depths of rays.
-    pub(super) fn lanes(&self, pixels: &[[u32; 2]], wanted: &[(usize, f64)]) -> eval::Lanes<f64> {
+    pub(super) fn lanes(&self, pixels: &[[u32; 2]], wanted: &[(usize, f64)]) -> eval::Invocations<f64> {
         let lanes = wanted.iter().map(|&(ray, depth)| {
             let [x, y] = pixels[ray].map(|at| f64::from(at) + 0.5);
             ([x, y, 0.5, 1.0], [depth, self.path(), 0.0, 0.0])
         });
         let (fragment_coordinates, places) = lanes.unzip();
-        eval::Lanes { fragment_coordinates, varyings: [(0, places)].into() }
+        eval::Invocations { fragment_coordinates, varyings: [(0, places)].into() }
     }
 
     /// Samples of rays at depths.

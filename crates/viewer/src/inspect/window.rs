@@ -147,20 +147,11 @@ fn modules(ui: &mut Ui, report: &PixelReport) {
     }
 }
 
-/// The bounds on the density between the points of a ray, in words: the largest width, and the largest slope.
+/// Largest uncertainty of the density between the places of a ray.
 pub(super) fn known(ray: &[Along]) -> String {
     let parts = &ray[..ray.len().saturating_sub(1)];
     let widest = parts.iter().map(|at| at.range[1] - at.range[0]).fold(0.0, f64::max);
-    let steepness = |at: &Along| at.slope[0].abs().max(at.slope[1].abs());
-    let steep: Vec<f64> = parts.iter().map(steepness).filter(|slope| slope.is_finite()).collect();
-    let steepest = steep.iter().copied().fold(0.0, f64::max);
-    let share = (100.0 * steep.len() as f64 / parts.len().max(1) as f64).floor();
-    let slope = match steep.len() {
-        0 => "it may jump everywhere".to_string(),
-        count if count == parts.len() => format!("it changes by at most {steepest:.3} a unit"),
-        _ => format!("it changes by at most {steepest:.3} a unit in {share} % of them, and may jump in the others"),
-    };
-    format!("density known to {widest:.1e} between {} places; {slope}", ray.len())
+    format!("density known to {widest:.1e} between {} places", ray.len())
 }
 
 /// A plot of the density and its bounds over the distance from the camera.
@@ -208,16 +199,11 @@ fn plot(ui: &mut Ui, ray: &[Along]) {
             let off = |sample: &Along| (place(sample.depth, 0.0).x - at.x).abs();
             off(a).total_cmp(&off(b))
         });
-        if let Some(Along { depth, density, range, slope }) = nearest {
-            // Rounds a bound just below 0 to 0, not to -0.
+        if let Some(Along { depth, density, range }) = nearest {
+            // A bound just below 0 is 0, and not -0.
             let [low, high] = range.map(|end| (1e4 * end).round() / 1e4 + 0.0);
-            let [fall, rise] = slope.map(|end| (1e2 * end).round() / 1e2 + 0.0);
-            let slope = match fall.is_finite() && rise.is_finite() {
-                true => format!("changing by {fall:.2} to {rise:.2} a unit"),
-                false => "perhaps with a jump".into(),
-            };
             response.on_hover_text(format!(
-                "density {density:.4} at {depth:.4}\nup to the next place {low:.4} to {high:.4}, {slope}"
+                "density {density:.4} at {depth:.4}\nup to the next place {low:.4} to {high:.4}"
             ));
         }
     }
