@@ -3,7 +3,7 @@
 //! Invariant: the disk cache keeps slow proofs under a hash of all that they depend on.
 
 use super::bounded_noise;
-use crate::eval::{self, F32Interval, Interval, Fingerprint};
+use crate::eval::{self, F32Interval, Fingerprint, Interval};
 use crate::noise::Lattice;
 use crate::render::camera::FrameContext;
 use crate::render::error::RenderError;

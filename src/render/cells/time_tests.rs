@@ -43,7 +43,8 @@ fn m61_cells_that_are_empty_over_an_interval_of_time_are_so_at_each_time_in_it()
                 let cell = boxes.cell([index % SIDE, index / SIDE % SIDE, index / SIDE / SIDE], SIDE);
                 cell.map(|range| range.lo + (range.hi - range.lo) * (1.5 * random.unit() - 0.25).clamp(0.0, 1.0))
             });
-            let lanes = eval::Invocations { fragment_coordinates: Vec::new(), varyings: [(0, places.collect())].into() };
+            let lanes =
+                eval::Invocations { fragment_coordinates: Vec::new(), varyings: [(0, places.collect())].into() };
             let (code, inputs) = drawn(&scene, &library, &frame);
             let outputs = code.bind(&inputs).unwrap().run::<f64>(&lanes).unwrap();
             let matter = outputs[&0].iter().filter(|[.., alpha]| alpha.is_nan() || *alpha > 0.0).count();
