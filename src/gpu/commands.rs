@@ -5,7 +5,7 @@ use ash::vk;
 use std::ops::Range;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
-use support::watch::{Excess, Watch};
+use support::watchdog::{Excess, Watchdog};
 
 /// A submission that takes longer is given up. Shorter: slow devices fail on large images. Longer: a hang looks like
 /// patience; a desktop resets the device after two seconds anyway.
@@ -159,7 +159,7 @@ impl Gpu {
     pub(super) fn wait_for(&self, fence: vk::Fence, what: &str) -> Result<(), GpuError> {
         self.0.waits.fetch_add(1, Ordering::Relaxed);
         let (limit, start) = (Duration::from_secs(TIMEOUT_SECONDS), Instant::now());
-        let mut watch = Watch::new(std::process::id(), limit, u64::MAX);
+        let mut watch = Watchdog::new(std::process::id(), limit, u64::MAX);
         let mut patience = limit;
         loop {
             let is_awaited = || self.info().cpu && start.elapsed() >= limit;

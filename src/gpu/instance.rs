@@ -37,7 +37,10 @@ impl Instance {
     /// An instance with these extensions, by name.
     pub(super) fn new(validation: bool, extensions: &[*const c_char]) -> Result<Instance, GpuError> {
         #[cfg(test)]
-        assert!(!validation || support::alone::Alone::is_held(), "a test with validation begins with Alone::enter()");
+        assert!(
+            !validation || support::validation_lock::ValidationLock::is_held(),
+            "a test with validation begins with ValidationLock::acquire()"
+        );
         has_addresses()?;
         // SAFETY: the loader is the system's Vulkan library, which has no requirement on when it is loaded.
         let entry = unsafe { ash::Entry::load() }.map_err(|error| GpuError::NoLoader(error.to_string()))?;

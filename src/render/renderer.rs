@@ -6,7 +6,7 @@ use super::masks::Masks;
 use super::pixels::put;
 use super::prepared::{Destination, Made, Prepared};
 use super::shot::Shot;
-use super::watch::explained;
+use super::watchdog::explained;
 use super::{Frame, RenderError, Subject};
 use crate::field::Progress;
 use crate::gpu::{Area, Format, Gpu, HostCommands, Recording};
@@ -17,7 +17,7 @@ use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
-use support::watch::own_processor_time;
+use support::watchdog::own_processor_time;
 
 /// Renders a scene.
 ///
@@ -349,12 +349,12 @@ mod tests {
     use crate::render::pace::Pace;
     use crate::scene::{Pass, Proxy};
     use crate::shader;
-    use support::alone::Alone;
+    use support::validation_lock::ValidationLock;
 
     #[test]
     #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
     fn where_slices_are_cut_into_submissions_changes_no_bit() {
-        let _alone = Alone::enter();
+        let _lock = ValidationLock::acquire();
         let gpu = Gpu::new(&Options { validation: true, ..Options::from_env() }).unwrap();
         let mut scene = Scene::default();
         scene.object.input = "sphere".into();

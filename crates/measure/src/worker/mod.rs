@@ -21,7 +21,7 @@ use std::path::PathBuf;
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
-use support::watch::{Excess, Watch, end, memory};
+use support::watchdog::{Excess, Watchdog, describe, memory};
 
 /// Name of the hidden command.
 pub const COMMAND: &str = "draw";
@@ -207,7 +207,7 @@ impl Process {
 
     /// Sends a line and waits for the answer; the error says how the worker has ended.
     fn ask(&mut self, text: &str, patience: Duration) -> Result<(Answer, Vec<[f32; 4]>), String> {
-        let mut watch = Watch::new(self.child.id(), patience, MOST_WHILE);
+        let mut watch = Watchdog::new(self.child.id(), patience, MOST_WHILE);
         let _ = self.input.write_all(text.as_bytes()); // a worker that has ended says more by its end
         loop {
             match self.answers.recv_timeout(LOOK) {
@@ -223,7 +223,7 @@ impl Process {
                     None => {}
                 },
                 Err(RecvTimeoutError::Disconnected) => {
-                    let how = self.child.wait().map_or_else(|error| error.to_string(), end);
+                    let how = self.child.wait().map_or_else(|error| error.to_string(), describe);
                     return Err(format!("the driver crashed ({how})"));
                 }
             }
