@@ -5,7 +5,7 @@ use super::variant::{Variant, why_left_out};
 use super::{Measurements, RenderError, Subject, doubts};
 use crate::scene::Scene;
 use crate::shader::Library;
-use crate::shader::library::ZERO;
+use crate::shader::slots::FOLDED;
 
 /// A line for each thing that a picture is made with or that its scene leaves out, and for each doubt: what it is about, and
 /// what there is.
@@ -32,7 +32,7 @@ pub fn made_with(
     }
     lines.extend(m.left_out.iter().map(|part| line("left out", format!("{part}: {}", why_left_out(part)))));
     let variant = Variant::of(scene, library)?;
-    let zero = variant.slots.get(ZERO).map(|names| names.join(", "));
+    let zero = variant.slots.get(FOLDED).map(|names| names.join(", "));
     lines.extend(zero.map(|names| line("left out", format!("what these take away, as they are 0: {names}"))));
     lines.extend(
         masks_left_out(m, scene).map(|name| line("left out", format!("the mask of {name}: it lets all of it through"))),

@@ -17,7 +17,7 @@ use crate::field::Progress;
 use crate::gpu::{self, Buffer, Gpu, HostCommands, Recording};
 use crate::scene::schema::Changes;
 use crate::scene::{Order, Pass, Scene, TargetFormat};
-use crate::shader::library::ZERO;
+use crate::shader::slots::FOLDED;
 use crate::shader::{Library, Linker, Slots};
 use std::sync::Arc;
 use std::time::Instant;
@@ -237,8 +237,8 @@ impl Prepared {
     /// and to link anew would take longer: a value that is pulled to 0 stands still.
     pub(super) fn runs(&self, variant: &Variant) -> bool {
         let [own, wanted] = [&self.variant, variant].map(|variant| {
-            let modules = variant.slots.iter().filter(|(slot, _)| *slot != ZERO);
-            (variant.entries, modules.collect::<Vec<_>>(), variant.slots.get(ZERO).map_or(&[][..], Vec::as_slice))
+            let modules = variant.slots.iter().filter(|(slot, _)| *slot != FOLDED);
+            (variant.entries, modules.collect::<Vec<_>>(), variant.slots.get(FOLDED).map_or(&[][..], Vec::as_slice))
         });
         own.0 == wanted.0 && own.1 == wanted.1 && own.2.iter().all(|zero| wanted.2.contains(zero))
     }
@@ -379,7 +379,7 @@ impl Prepared {
             });
             let texels = resolved.as_ref().unwrap_or(color).read_areas(areas)?;
             // Rays of other programs do not say so: what a module of a user gives may be below it.
-            if self.variant.waits() && texels.iter().any(|[.., alpha]| *alpha < CUT_SHORT) {
+            if self.variant.uses_two_phase() && texels.iter().any(|[.., alpha]| *alpha < CUT_SHORT) {
                 return Ok(None);
             }
             pictures.add(texels);

@@ -176,7 +176,7 @@ impl Renderer {
                 Some(frame) => break frame,
                 None => self.cut.push((variant.slots.clone(), scene.quality.samples)),
             }
-            variant = variant.that_waits_for_none();
+            variant = variant.without_two_phase();
         };
         frame.measurements.total_ms = std::mem::take(&mut self.prepared_ms) + start.elapsed().as_secs_f64() * 1e3;
         let taken = own_processor_time().zip(before).map(|(after, before)| after.saturating_sub(before));
@@ -282,7 +282,7 @@ impl Renderer {
         }
         let (scene, mut variant) = self.chosen(&scene)?;
         if !scene.may_find_first(&self.library) {
-            variant = variant.that_waits_for_none(); // what comes of it is not seen here
+            variant = variant.without_two_phase(); // what comes of it is not seen here
         }
         Ok((scene.into_owned(), variant))
     }
@@ -308,7 +308,7 @@ impl Renderer {
         let (scene, variant) = self.masks.without_idle(&self.library, scene, &self.subject)?;
         let is_cut =
             self.cut.iter().any(|(slots, samples)| *slots == variant.slots && *samples <= scene.quality.samples);
-        Ok((scene, if is_cut { variant.that_waits_for_none() } else { variant.suited(self.gpu.info().cpu) }))
+        Ok((scene, if is_cut { variant.without_two_phase() } else { variant.for_device(self.gpu.info().cpu) }))
     }
 
     /// What serves a scene, from what there is.

@@ -7,7 +7,7 @@ use super::Subject;
 use crate::render::pass::{Extent, Planes};
 use crate::render::variant::Variant;
 use crate::scene::{Parameters, Projection, Scene, Spread, Transform};
-use crate::shader::link::MAIN;
+use crate::shader::slots::MAIN;
 use glam::camera::rh;
 use glam::{Mat4, Vec2, Vec3};
 

@@ -17,7 +17,7 @@ use crate::noise::Period;
 use crate::scene::{
     Color, Integration, Neutral, ParameterValue, Parameters, SHADOW_SAMPLES, Scene, SceneError, Source,
 };
-use crate::shader::library::{ZERO, objects, prefixed};
+use crate::shader::slots::{FOLDED, objects, qualified};
 use crate::shader::{Library, LibraryError, LinkError, Linker, Parameter, Slots};
 use std::collections::BTreeMap;
 use std::iter;
@@ -100,23 +100,23 @@ impl Variant {
         if scene.quality.neutral == Neutral::LeaveOut {
             let mut all = zero(scene, "", &parameters);
             all.extend(parts.iter().flat_map(|(name, parameters)| zero(&scene.alone(name), name, parameters)));
-            choice.insert(ZERO.into(), all);
+            choice.insert(FOLDED.into(), all);
         }
         let (octaves, periods) = (scene.octaves_held(library), scene.periods(library));
         let (slots, looks_back) = (library.needed(&entries, &choice)?, scene.looks_back(library));
         Ok(Variant { entries, slots, parameters, parts, octaves, periods, looks_back })
     }
 
-    /// Whether its rays wait for what others find.
-    pub(super) fn waits(&self) -> bool {
+    /// Whether rays first find their matter, all of them together, and then shade it.
+    pub(super) fn uses_two_phase(&self) -> bool {
         self.module("empty_space") == Some("skip")
     }
 
-    /// The same, as a device draws it soonest: on a GPU, which skips branches that none of its rays takes, soft matter is
-    /// not found before it is shaded, since its density would be asked for twice. An H100 draws fire in 3.1 ms so in place
-    /// of 4.4 and flow in 2.7 in place of 4.7; hard matter, which is shaded once a ray, takes longer: lit 0.2 in place of 0.12.
-    pub fn suited(self, on_processor: bool) -> Variant {
-        if self.is_hard() || on_processor { self } else { self.that_waits_for_none() }
+    /// The faster variant on a device. On GPUs soft matter is shaded directly: finding it first evaluates the density twice,
+    /// and GPUs skip branches that no ray takes (H100: fire 3.1 ms instead of 4.4, flow 2.7 instead of 4.7). Hard matter is
+    /// shaded once a ray and stays in two phases (lit 0.12 ms instead of 0.2).
+    pub fn for_device(self, on_processor: bool) -> Variant {
+        if self.is_hard() || on_processor { self } else { self.without_two_phase() }
     }
 
     /// Whether the matter of every object begins at a surface, at once.
@@ -133,10 +133,10 @@ impl Variant {
         self.slots.iter().filter(|(key, _)| slot_of(key) == "softness").flat_map(|(_, names)| names)
     }
 
-    /// The same, with rays that do not.
-    pub(super) fn that_waits_for_none(&self) -> Variant {
+    /// The variant whose rays shade matter as they find it.
+    pub(super) fn without_two_phase(&self) -> Variant {
         let mut variant = self.clone();
-        if self.waits() {
+        if self.uses_two_phase() {
             variant.slots.insert("empty_space".into(), vec!["leap".into()]);
         }
         variant
@@ -242,7 +242,7 @@ impl Variant {
 
     /// What other programs of the same scene share: the modules that sample the objects, by slot, and what is 0.
     fn kept(&self) -> impl Iterator<Item = (String, Vec<String>)> {
-        let is_kept = |key: &String| key == "object" || key.ends_with(".object") || key == ZERO;
+        let is_kept = |key: &String| key == "object" || key.ends_with(".object") || key == FOLDED;
         let own = self.slots.iter().filter(move |(key, _)| is_kept(key));
         own.map(|(key, names)| (key.clone(), names.clone()))
     }
@@ -337,7 +337,7 @@ fn zero(own: &Scene, object: &str, parameters: &Parameters) -> Vec<String> {
         ("transfer_color", own.transfer.is_flat() && texture::transfer_texel(&own.transfer) == [0.0; 4]),
     ];
     let members = members.into_iter().filter(|(_, is_zero)| *is_zero).map(|(name, _)| name);
-    parameters.chain(members).map(|name| prefixed(object, name)).collect()
+    parameters.chain(members).map(|name| qualified(object, name)).collect()
 }
 
 fn object_module(scene: &Scene, needs_normal: bool) -> &str {

@@ -7,7 +7,7 @@ use crate::shader;
 #[test]
 fn soft_matter_is_found_and_shaded_at_once_on_a_gpu() {
     let suited = |name: &str, on_processor| {
-        let variant = Variant::of(&preset(name).unwrap(), &shader::shipped()).unwrap().suited(on_processor);
+        let variant = Variant::of(&preset(name).unwrap(), &shader::shipped()).unwrap().for_device(on_processor);
         variant.module("empty_space").unwrap().to_string()
     };
     for name in ["fire", "tank", "fur"] {

@@ -38,7 +38,7 @@ impl<'a> Ahead<'a> {
         let Some(first) = self.families.kept.first().filter(|_| !is_over()) else { return };
         let own = &first.strategy;
         self.links[0].call_once(|| {
-            let variant = Variant::of(&first.scene, self.library).map(|variant| variant.suited(self.on_processor));
+            let variant = Variant::of(&first.scene, self.library).map(|variant| variant.for_device(self.on_processor));
             let _ = variant.and_then(|variant| self.link_shadow(&variant, &first.scene));
         });
         let _ = self.link_reference(scene); // what cannot be linked is said where it is asked for
@@ -80,7 +80,7 @@ impl<'a> Ahead<'a> {
 
     fn link_picture(&self, scene: &Scene) -> Result<(), VariantError> {
         let library = self.library;
-        let variant = Variant::of(scene, library)?.suited(self.on_processor);
+        let variant = Variant::of(scene, library)?.for_device(self.on_processor);
         let program = variant.program(library, Linker::new)?;
         self.link_shadow(&variant, scene)?;
         if program.reads("cell_image") {
