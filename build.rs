@@ -1,5 +1,4 @@
-//! Embeds the GLSL modules and compiles the programs listed in `glsl/variants`, through the library and linker that the
-//! program uses at run time.
+//! Embeds the GLSL modules and compiles the programs listed in `glsl/variants`, with the library and linker used at run time.
 
 use flate2::Compression;
 use flate2::write::DeflateEncoder;
@@ -11,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::{env, fs};
 
 const PASSES: [[&str; 2]; 2] = [["slice.vert", "slice.frag"], ["march.vert", "march.frag"]];
-/// The passes of the lines of the table with these names.
+/// The passes of table lines with these names.
 const NAMED: [(&str, [[&str; 2]; 1]); 5] = [
     ("mark", [["march.vert", "mark.frag"]]),
     ("shadow", [["march.vert", "shadow.frag"]]),
@@ -55,7 +54,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 let spirv = linker.link(&library, entry, stage, &entries, &slots).map_err(|error| fail(&error))?;
                 let bytes: Vec<u8> = spirv.iter().flat_map(|word| word.to_le_bytes()).collect();
                 let file = fs::File::create(out.join(format!("{name}.{end}")))?;
-                DeflateEncoder::new(file, Compression::best()).write_all(&bytes)?; // ends the stream where it is dropped
+                DeflateEncoder::new(file, Compression::best()).write_all(&bytes)?; // dropping it ends the stream
             }
             programs.push((key(&slots), name));
         }
@@ -76,7 +75,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Compiles the program that draws the window, which is no part of the library.
+/// Compiles the window's program, which is not part of the library.
 fn window(out: &Path) -> Result<(), Box<dyn Error>> {
     const FILES: [(&str, Stage); 2] = [("window.vert", Stage::Vertex), ("window.frag", Stage::Fragment)];
     println!("cargo::rerun-if-changed=src/gpu/window.vert");
@@ -111,7 +110,7 @@ fn expand(defaults: &str, line: &str, library: &Library) -> Vec<Slots> {
     choices
 }
 
-/// The name of a program: its slots and modules in alphabetical order of the slots.
+/// Key of a program: slots in alphabetical order, with their modules.
 fn key(slots: &Slots) -> String {
     slots.iter().map(|(slot, names)| format!("{slot}={}", names.join("+"))).collect::<Vec<_>>().join(" ")
 }

@@ -1,5 +1,5 @@
-//! Debian 12's libshaderc.so leaves the symbols of glslang and SPIRV-Tools open, so that nothing links against it. Where that
-//! is the library that shaderc-sys finds, the static archives of the same packages come beside it.
+//! Links the static archives of glslang and SPIRV-Tools if shaderc-sys finds Debian 12's libshaderc.so, which leaves their symbols
+//! undefined.
 
 use std::env;
 use std::path::Path;
@@ -26,11 +26,11 @@ fn main() {
     if env::var_os("CARGO_FEATURE_COMPILER").is_none() {
         return;
     }
-    let is_another = ["SHADERC_LIB_DIR", "VULKAN_SDK"].iter().any(|variable| env::var_os(variable).is_some());
+    let is_custom = ["SHADERC_LIB_DIR", "VULKAN_SDK"].iter().any(|variable| env::var_os(variable).is_some());
     let machine = env::var("CARGO_CFG_TARGET_ARCH").unwrap_or_default();
     let folder = Path::new("/usr/lib").join(format!("{machine}-linux-gnu"));
-    let open = Command::new("nm").args(["-D", "--undefined-only"]).arg(folder.join("libshaderc.so")).output();
-    if is_another || !open.is_ok_and(|open| String::from_utf8_lossy(&open.stdout).contains("7glslang")) {
+    let undefined = Command::new("nm").args(["-D", "--undefined-only"]).arg(folder.join("libshaderc.so")).output();
+    if is_custom || !undefined.is_ok_and(|nm| String::from_utf8_lossy(&nm.stdout).contains("7glslang")) {
         return;
     }
     println!("cargo::rustc-link-search=native={}", folder.display());

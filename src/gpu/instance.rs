@@ -37,7 +37,10 @@ impl Instance {
     /// Creates an instance with these extensions.
     pub(super) fn new(validation: bool, extensions: &[*const c_char]) -> Result<Instance, GpuError> {
         #[cfg(test)]
-        assert!(!validation || support::alone::Alone::is_held(), "a test with validation begins with Alone::enter()");
+        assert!(
+            !validation || support::validation_lock::ValidationLock::is_held(),
+            "a test with validation begins with ValidationLock::acquire()"
+        );
         check_address_space()?;
         // SAFETY: the Vulkan library of the system has no requirements for loading.
         let entry = unsafe { ash::Entry::load() }.map_err(|error| GpuError::NoLoader(error.to_string()))?;

@@ -4,7 +4,7 @@ use super::{Commands, Gpu, GpuError, Named};
 use ash::vk;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
-use support::watch::{Excess, Watch};
+use support::watchdog::{Excess, Watchdog};
 
 /// Timeout of a submission. Lower: slow devices fail on large images. Higher: a hang goes unnoticed; desktops reset the
 /// device after two seconds anyway.
@@ -93,7 +93,7 @@ impl Gpu {
     pub(super) fn wait_for(&self, fence: vk::Fence, what: &str) -> Result<(), GpuError> {
         self.0.waits.fetch_add(1, Ordering::Relaxed);
         let (limit, start) = (Duration::from_secs(TIMEOUT_SECONDS), Instant::now());
-        let mut watch = Watch::new(std::process::id(), limit, u64::MAX);
+        let mut watch = Watchdog::new(std::process::id(), limit, u64::MAX);
         let mut patience = limit;
         loop {
             let is_awaited = || self.info().cpu && start.elapsed() >= limit;

@@ -8,14 +8,14 @@ use super::*;
 use ash::vk;
 use glsl::{Library, Linker, Slots, Stage};
 use std::sync::Arc;
-use support::alone::Alone;
+use support::validation_lock::ValidationLock;
 
 const SIDE: u32 = 8;
 const BYTES: usize = (SIDE * SIDE * 4) as usize;
 
 /// Runs `plant` on a device with validation, closes the device, and returns the distinct ids of what was reported.
 fn reported(plant: impl FnOnce(&Gpu)) -> Vec<String> {
-    let _alone = Alone::enter();
+    let _lock = ValidationLock::acquire();
     let options = Options { validation: true, ..Options::from_env() };
     let gpu = Gpu::new(&options).unwrap_or_else(|error| panic!("{error}"));
     let messages = gpu.messages();

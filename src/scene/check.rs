@@ -5,7 +5,8 @@ use super::loops::{BENDING_LOOPS, BENDING_STEPS, LOOP_BUDGET, SHADOW_SAMPLES};
 use super::schema::setting;
 use super::{Integration, Jitter, Object, Parameters, Pass, RayPath, Repeat, Scene, SceneError, Storage};
 use crate::shader::declare::Outside;
-use crate::shader::library::{COMBINE, Library};
+use crate::shader::library::Library;
+use crate::shader::slots::FORMULA;
 use crate::shader::{Declarations, Slots};
 use std::collections::BTreeMap;
 
@@ -258,7 +259,7 @@ impl Scene {
     }
 
     fn check_modules(&self, library: &Library, slots: &Slots) -> Result<(), SceneError> {
-        for (key, names) in slots.iter().filter(|(key, _)| *key != COMBINE) {
+        for (key, names) in slots.iter().filter(|(key, _)| *key != FORMULA) {
             let (object, slot) = key.split_once('.').unwrap_or(("", key));
             let field =
                 if object.is_empty() { format!("effect.{slot}") } else { format!("parts.{object}.effect.{slot}") };

@@ -78,7 +78,7 @@ impl Parameters {
     pub fn held_speeds(&self, time: f64) -> impl Iterator<Item = (&str, f32)> {
         self.drifts
             .iter()
-            .filter_map(move |drift| Some((drift.speed.as_str(), drift.held(time, |name| self.number(name))?)))
+            .filter_map(move |drift| Some((drift.speed.as_str(), drift.wrapped(time, |name| self.number(name))?)))
     }
 
     /// Value of a parameter that is a number; 0 for any other.

@@ -3,8 +3,8 @@
 use super::schema::{self, Filled};
 use super::setting::settings;
 use super::{Effect, Integration, Material, Object, ParameterValue, Scene, SceneError, Storage, Transfer};
-use crate::shader::library::COMBINE;
-use crate::shader::{Formula, FormulaError, Library, Slots, link::MAIN};
+use crate::shader::slots::{FORMULA, MAIN};
+use crate::shader::{Formula, FormulaError, Library, Slots};
 use glam::{EulerRot, Mat4, Quat, Vec3};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -132,7 +132,7 @@ impl Scene {
     pub(super) fn fill_parts(&self, library: &Library, slots: &mut Slots) {
         slots.insert("classify".into(), vec!["objects".into()]);
         slots.insert("boolean".into(), vec![self.boolean.name().into()]);
-        slots.insert(COMBINE.into(), vec![self.formula_text()]);
+        slots.insert(FORMULA.into(), vec![self.formula_text()]);
         for name in self.parts.keys() {
             let own = self.part_as_scene(name).slots(library);
             let own = own.into_iter().filter(|(slot, _)| {

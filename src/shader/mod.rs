@@ -1,5 +1,4 @@
-//! The shader library: modules, what they declare, and how they are linked into one program. Beside what the crate `glsl`
-//! has, the modules that ship and the compiler in a process of its own.
+//! The crate `glsl`, with the shipped modules and a compiler in a child process.
 
 pub mod compile;
 mod shipped;

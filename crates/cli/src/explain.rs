@@ -11,7 +11,7 @@ use hypertexture::render::variant::Variant;
 use hypertexture::render::{Frame, RenderError, Renderer, Subject, describe_frame, try_custom_modules};
 use hypertexture::scene::{EmptySpace, Pass, Scene};
 use hypertexture::shader::Library;
-use hypertexture::shader::library::ZERO;
+use hypertexture::shader::slots::FOLDED;
 use measure::statistics::{largest, quantile};
 use serde::Serialize;
 use serde_json::json;
@@ -118,7 +118,7 @@ fn explain(
     let (mut renderer, frame) = warm(scene)?;
     let made_with = describe_frame(&frame.measurements, scene, subject, library)?;
     let (mut times, mut others) = (Vec::new(), Vec::new());
-    let has_zeros = Variant::of(scene, library)?.slots.contains_key(ZERO);
+    let has_zeros = Variant::of(scene, library)?.slots.contains_key(FOLDED);
     let mores = without(scene);
     let share = 1.0 / mores.len() as f32;
     for (index, More { how, saves, change }) in mores.into_iter().enumerate() {

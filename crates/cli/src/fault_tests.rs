@@ -16,8 +16,8 @@ use std::error::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use support::alone::Alone;
 use support::faults::{self, fail_after, stop};
+use support::validation_lock::ValidationLock;
 
 /// Calls of which a failure costs time and nothing else: those of kept files.
 const DONE_WITHOUT: [&str; 3] = ["read", "create_dir", "vkGetPipelineCacheData"];
@@ -137,7 +137,7 @@ fn fail_each(words: &str, validation: bool) -> BTreeSet<&'static str> {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn each_call_of_a_picture_a_sequence_and_a_field_may_fail() {
-    let _alone = Alone::enter();
+    let _lock = ValidationLock::acquire();
     faults::turn_on();
     let mut failed = fail_each("field sphere --resolution 8 -o @/field.nrrd", false);
     let small = "--size 8x8 --samples 8";
@@ -165,7 +165,7 @@ fn each_call_of_a_picture_a_sequence_and_a_field_may_fail() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn each_call_of_a_comparison_may_fail_and_costs_it_a_candidate_at_most() {
-    let _alone = Alone::enter();
+    let _lock = ValidationLock::acquire();
     faults::turn_on();
     let library = shipped();
     let mut scene = preset("fire").unwrap();

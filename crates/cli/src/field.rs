@@ -46,8 +46,8 @@ pub(super) fn run(command: &Field, quiet: bool) -> Result<(), Box<dyn Error>> {
     }
     let shape = open(&object)?;
     let request = request(&shape, &object, command.margin);
-    let (field, report) =
-        with_progress(quiet, "distance field", |progress| field::load_or_compute(&shape, &request, progress))?;
+    let (field, _, report) =
+        with_progress(quiet, "distance field", |progress| field::load_or_compute(&shape, &request, false, progress))?;
     let field = field.turned(object.up.turn());
     let (grid, (low, high)) = (field.grid, field.range());
     let mut bytes = Vec::new();

@@ -1,43 +1,43 @@
-//! A tree of boxes over triangles.
+//! Bounding volume hierarchy of triangles.
 //!
-//! Invariant: everything is in voxel units (the grid's first sample is the origin, neighbors are 1 apart), so that
-//! squares and areas stay far from the limits of f32 whatever the world units are.
-//! The tree is complete and has no pointers: node `i` of a level has the children `4 i .. 4 i + 4` of the level below,
-//! those of level 0 are packets of four triangles. Four boxes are tested at once, one per lane of a [`Vec4`].
+//! Invariant: lengths are in voxels, so that squares and areas stay within f32 whatever the world units are.
+//! The tree is complete and has no pointers: node `i` has the children `4 i .. 4 i + 4` of the level below; those of level 0
+//! are packets of four triangles. Four boxes are tested at once, one per lane of a [`Vec4`].
 
 use super::face::{Face, Frame};
 use super::tetra::Triangle;
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
-/// Width of the tree and of a packet of triangles: the lanes of a [`Vec4`].
+/// Children of a node and triangles of a packet: the lanes of a [`Vec4`].
 pub(super) const WIDTH: usize = 4;
-/// Smaller: more time in starting tasks than in sorting. Larger: idle threads on small meshes.
+/// Triangles above which halves are sorted in parallel. Lower spends more time on tasks than on sorting; higher leaves threads idle
+/// on small meshes.
 const PARALLEL: usize = 8192;
 
-/// Levels of boxes along axes of their own. Fewer: more triangles are measured for nothing. More: such boxes around many
-/// triangles are as thick as the others.
+/// Levels with oriented boxes. Lower measures more triangles in vain; higher gains nothing, since oriented boxes of many triangles
+/// are as thick as aligned ones.
 const FRAMES: u32 = 2;
 
-/// A tree of boxes over triangles.
+/// Bounding volume hierarchy of triangles.
 pub(super) struct Bvh {
     triangles: Vec<Triangle>,
     /// One for each triangle.
     faces: Vec<Face>,
-    /// Boxes along axes of their own: of the packets, of the nodes of level 0, and so on for [`FRAMES`] levels.
+    /// Oriented boxes of the packets, of the nodes of level 0, and so on for [`FRAMES`] levels.
     frames: Vec<Vec<Frame>>,
-    /// Level 0 bounds packets; the last level is the root, one node.
+    /// Level 0 bounds packets; the last level is the root.
     levels: Vec<Vec<Node>>,
 }
 
-/// Boxes of four children; a missing child has an inverted, infinite box.
+/// Boxes of four children, inverted and infinite for a missing child.
 pub(super) struct Node {
     min: [Vec4; 3],
     max: [Vec4; 3],
 }
 
 impl Bvh {
-    /// Tree over triangles in voxel units. Degenerate triangles are edges or points.
+    /// Builds the tree over triangles in voxel units.
     pub(super) fn new(triangles: &[Triangle]) -> Bvh {
         let centers: Vec<Vec3> = triangles.par_iter().map(|t| (t[0] + t[1] + t[2]) / 3.0).collect();
         let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
@@ -64,12 +64,12 @@ impl Bvh {
         }
     }
 
-    /// Triangles in the tree.
+    /// Number of triangles.
     pub(super) fn triangles(&self) -> usize {
         self.triangles.len()
     }
 
-    /// Packets of [`WIDTH`] triangles, in the tree's order; only the last may hold fewer.
+    /// Number of packets of [`WIDTH`] triangles. The last may hold fewer.
     pub(super) fn packets(&self) -> usize {
         self.triangles.len().div_ceil(WIDTH)
     }
@@ -85,14 +85,13 @@ impl Bvh {
         &self.faces
     }
 
-    /// A box along axes of its own around a packet (level 0) or a node of the level below `level`; none far from packets,
-    /// where surfaces are not flat.
+    /// The oriented box of a packet (level 0) or of a node of the level below `level`; `None` for high levels.
     #[inline(always)]
     pub(super) fn frame(&self, level: usize, index: usize) -> Option<&Frame> {
         self.frames.get(level).map(|frames| &frames[index])
     }
 
-    /// Boxes, from those of packets to the root; empty boxes for no triangles.
+    /// Levels of nodes, from those of packets to the root.
     pub(super) fn levels(&self) -> &[Vec<Node>] {
         &self.levels
     }
@@ -114,7 +113,7 @@ impl Node {
         (self.min.map(|v| v[lane]), self.max.map(|v| v[lane]))
     }
 
-    /// Squared distances of the children from a box; infinite for a missing child.
+    /// Squared distances of the children from a box, infinite for a missing child.
     #[inline(always)]
     pub(super) fn distance2(&self, low: &[Vec4; 3], high: &[Vec4; 3]) -> Vec4 {
         let axis = |i: usize| {
@@ -125,8 +124,7 @@ impl Node {
     }
 }
 
-/// Sorts `order` so that the complete tree over consecutive groups has compact boxes: halves along the longest side,
-/// cut at multiples of the size of a full subtree.
+/// Sorts `order` for compact boxes of the complete tree: halves along the longest side, cut at multiples of a full subtree.
 fn arrange(order: &mut [u32], centers: &[Vec3]) {
     if order.len() <= WIDTH {
         return;

@@ -1,10 +1,12 @@
-//! Fields kept on disk, so that a shape is transformed once.
+//! Disk cache of distance fields.
 //!
-//! Invariant: a file is used only if every byte of it is accounted for: magic, version, key, sizes, and the hash of the
-//! cache. Anything else is ignored and replaced.
+//! Invariant: a file is used only if magic, version, key, sizes and hash match. Any other is recomputed and replaced.
 
-use super::{ClosestPoints, DistanceField, FieldError, FieldReport, Grid, Progress, Request};
-use super::{transform, transform_with_closest};
+use super::closest::ClosestPoints;
+use super::error::FieldError;
+use super::grid::{DistanceField, Grid};
+use super::request::{FieldReport, Progress, Request};
+use super::transform::{transform, transform_with_closest};
 use glam::Vec3;
 use shape::{Content, Shape, Solid};
 use std::path::{Path, PathBuf};
@@ -12,34 +14,34 @@ use std::time::Instant;
 use support::disk_cache;
 use support::open::OpenError;
 
-/// A kind of file: first bytes, end of the name, and a sample of its so many bytes.
+/// A kind of file: magic, file extension, and decoding of a sample.
 struct Kind<T, const BYTES: usize> {
     magic: &'static [u8; 8],
-    end: &'static str,
+    extension: &'static str,
     sample: fn([u8; BYTES]) -> T,
 }
 
 /// Distances.
-const FIELD: Kind<f32, 4> = Kind { magic: b"HYPERFLD", end: "field", sample: f32::from_le_bytes };
-/// Closest points of the same input, beside them.
+const FIELD: Kind<f32, 4> = Kind { magic: b"HYPERFLD", extension: "field", sample: f32::from_le_bytes };
+/// Closest points.
 const CLOSEST: Kind<Vec3, 12> = Kind {
     magic: b"HYPERCPT",
-    end: "closest",
+    extension: "closest",
     sample: |bytes| Vec3::from_array(bytemuck::cast::<_, [[u8; 4]; 3]>(bytes).map(f32::from_le_bytes)),
 };
-/// Raise it when a field computed from the same input changes, or the layout of the file does.
+/// Version of the computation and of the file layout, to be raised when either changes.
 const VERSION: u32 = 6;
-/// Magic, version, key, size, origin, spacing, five counts; the payload follows.
+/// Magic, version, key, size, origin, spacing and five counts, followed by the samples.
 const HEADER_BYTES: usize = 8 + 4 + 32 + 12 + 12 + 12 + 5 * 8;
-/// Less: a few scans at a high resolution push each other out. More: a person finds a full disk.
-const CACHE: disk_cache::Kind = disk_cache::Kind { ends: &[FIELD.end, CLOSEST.end], limit: 2 << 30 };
+/// Lower evicts scans at a high resolution too early; higher fills disks.
+const CACHE: disk_cache::Kind = disk_cache::Kind { ends: &[FIELD.extension, CLOSEST.extension], limit: 2 << 30 };
 
-/// What a field depends on, hashed: geometry and values of the shape, the request, the version of this code.
+/// Hash of a field's inputs: geometry and values of the shape, the request, and the version.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Key([u8; 32]);
 
 impl Key {
-    /// Key of the field of a shape; equal content gives equal keys, wherever it came from.
+    /// Key of the field of a shape. Equal content gives equal keys.
     pub fn new(shape: &Shape, request: &Request) -> Key {
         let mut hash = blake3::Hasher::new();
         hash.update(&VERSION.to_le_bytes()).update(&request.resolution.to_le_bytes());
@@ -70,69 +72,56 @@ impl Key {
         Key(*hash.finalize().as_bytes())
     }
 
-    /// Hash of the contents of a shape, whatever is made of it: 64 hexadecimal digits.
+    /// Hash of the contents of a shape alone, as 64 hexadecimal digits.
     pub fn of_contents(shape: &Shape) -> String {
         let none = Request { resolution: 0, margin: 0.0, band: 0.0, iso: 0.0, shell: 0.0 };
         blake3::Hash::from_bytes(Key::new(shape, &none).0).to_hex().to_string()
     }
 
-    fn file(&self, end: &str, folder: &Path) -> PathBuf {
-        folder.join(format!("{}.{end}", blake3::Hash::from_bytes(self.0).to_hex()))
+    fn file(&self, extension: &str, folder: &Path) -> PathBuf {
+        folder.join(format!("{}.{extension}", blake3::Hash::from_bytes(self.0).to_hex()))
     }
 }
 
-/// [`transform`], through the cache on disk.
-///
-/// A formula or a volume of signed distances is not cached: computing it is as fast as reading it.
+/// A field, its closest points if requested, and statistics.
+type Computed = (DistanceField, Option<ClosestPoints>, FieldReport);
+
+/// [`transform`] or, with `closest`, [`transform_with_closest`], through the disk cache. Formulas and volumes of signed distances
+/// are not cached, being as fast to compute.
 ///
 /// # Errors
-/// Those of [`transform`]. A cache that cannot be read or written is a warning in the log.
+/// Those of [`transform`]. A cache that cannot be read or written is logged as a warning.
 pub fn load_or_compute(
     shape: &Shape,
     request: &Request,
+    closest: bool,
     progress: Progress,
-) -> Result<(DistanceField, FieldReport), FieldError> {
-    let compute = || transform(shape, request, progress);
-    let result = match kept_in(shape) {
-        Some(folder) => cached(&Key::new(shape, request), &folder, compute)?,
+) -> Result<Computed, FieldError> {
+    let compute = || computed(shape, request, closest, progress);
+    let result = match cache_folder(shape) {
+        Some(folder) => cached(&Key::new(shape, request), &folder, closest, compute)?,
         None => compute()?,
     };
-    warn(&result.1);
-    progress(1.0);
-    Ok(result)
-}
-
-/// [`transform_with_closest`], through the cache on disk, as [`load_or_compute`].
-///
-/// # Errors
-/// Those of [`transform`]. A cache that cannot be read or written is a warning in the log.
-pub fn load_or_compute_closest(
-    shape: &Shape,
-    request: &Request,
-    progress: Progress,
-) -> Result<(DistanceField, ClosestPoints, FieldReport), FieldError> {
-    let compute = || transform_with_closest(shape, request, progress);
-    let result = match kept_in(shape) {
-        Some(folder) => cached_with_closest(&Key::new(shape, request), &folder, compute)?,
-        None => compute()?,
-    };
-    warn(&result.2);
-    progress(1.0);
-    Ok(result)
-}
-
-/// Says what a person should know of a field.
-fn warn(report: &FieldReport) {
-    if report.tangled {
+    if result.2.tangled {
         log::warn!(
             "its solids overlap in too many places to find all surfaces inside of others: distances inside are too short \
              there; make one solid of them first, or raise the resolution"
         );
     }
+    progress(1.0);
+    Ok(result)
 }
 
-/// Where the results for a shape are kept, if reading them is faster than computing them.
-fn kept_in(shape: &Shape) -> Option<PathBuf> {
+fn computed(shape: &Shape, request: &Request, closest: bool, progress: Progress) -> Result<Computed, FieldError> {
+    if closest {
+        return transform_with_closest(shape, request, progress)
+            .map(|(field, points, report)| (field, Some(points), report));
+    }
+    transform(shape, request, progress).map(|(field, report)| (field, None, report))
+}
+
+/// The cache folder for a shape; `None` if computing its field is as fast as reading it.
+fn cache_folder(shape: &Shape) -> Option<PathBuf> {
     match shape {
         Shape::Solid(_) => None,
         Shape::Volume(volume) if volume.content == Content::SignedDistance => None,
@@ -140,71 +129,55 @@ fn kept_in(shape: &Shape) -> Option<PathBuf> {
     }
 }
 
-/// The field stored under `key` in `folder`, or else the result of `compute`, which is then stored.
-///
-/// # Errors
-/// Those of `compute`; the cache itself only warns.
-pub fn cached(
+/// The results stored under `key` in `folder`, else those of `compute`, which are then stored.
+fn cached(
     key: &Key,
     folder: &Path,
-    compute: impl FnOnce() -> Result<(DistanceField, FieldReport), FieldError>,
-) -> Result<(DistanceField, FieldReport), FieldError> {
+    closest: bool,
+    compute: impl FnOnce() -> Result<Computed, FieldError>,
+) -> Result<Computed, FieldError> {
     let start = Instant::now();
-    if let Some((grid, values, report)) = read(&FIELD, key, folder) {
-        let field = DistanceField { grid, values };
-        return Ok((field, FieldReport { ms: start.elapsed().as_secs_f64() * 1e3, ..report }));
-    }
-    let (field, report) = compute()?;
-    keep(&FIELD, key, folder, (&field.grid, &field.values, &report));
-    Ok((field, report))
-}
-
-/// Field and closest points stored under `key` in `folder`, or else the result of `compute`, which is then stored.
-///
-/// # Errors
-/// Those of `compute`; the cache itself only warns.
-pub fn cached_with_closest(
-    key: &Key,
-    folder: &Path,
-    compute: impl FnOnce() -> Result<(DistanceField, ClosestPoints, FieldReport), FieldError>,
-) -> Result<(DistanceField, ClosestPoints, FieldReport), FieldError> {
-    let start = Instant::now();
-    let stored = || Some((read(&CLOSEST, key, folder)?, read(&FIELD, key, folder)?));
-    if let Some(((closest_grid, points, _), (grid, values, report))) = stored() {
+    let stored = || {
+        let points = if closest { Some(read(&CLOSEST, key, folder)?) } else { None };
+        let (grid, values, report) = read(&FIELD, key, folder)?;
+        let points = points.map(|(grid, points, _)| ClosestPoints { grid, points });
         let report = FieldReport { ms: start.elapsed().as_secs_f64() * 1e3, ..report };
-        return Ok((DistanceField { grid, values }, ClosestPoints { grid: closest_grid, points }, report));
+        Some((DistanceField { grid, values }, points, report))
+    };
+    if let Some(stored) = stored() {
+        return Ok(stored);
     }
     let (field, closest, report) = compute()?;
-    keep(&FIELD, key, folder, (&field.grid, &field.values, &report));
-    keep(&CLOSEST, key, folder, (&closest.grid, bytemuck::cast_slice(&closest.points), &report));
+    store(&FIELD, key, folder, (&field.grid, &field.values, &report));
+    if let Some(closest) = &closest {
+        store(&CLOSEST, key, folder, (&closest.grid, bytemuck::cast_slice(&closest.points), &report));
+    }
     Ok((field, closest, report))
 }
 
-/// What is stored under `key`; nothing, and a warning, where a file is damaged or cannot be read.
+/// The samples stored under `key`. Logs a warning if a file is damaged or cannot be read.
 fn read<T, const BYTES: usize>(kind: &Kind<T, BYTES>, key: &Key, folder: &Path) -> Option<Stored<T>> {
-    let path = key.file(kind.end, folder);
+    let path = key.file(kind.extension, folder);
     match disk_cache::read(&path, CACHE) {
         Ok(bytes) => {
             let stored = bytes.and_then(|bytes| decode(kind, &bytes, key));
             if stored.is_none() {
-                log::warn!("{}: damaged or foreign field file, computing it again", path.display());
+                log::warn!("{}: damaged or foreign field file; computing the field again", path.display());
             }
             return stored;
         }
         Err(OpenError::Missing) => {}
-        Err(error) => log::warn!("{}: cannot read the kept field: {error}", path.display()),
+        Err(error) => log::warn!("{}: cannot read the cached field: {error}", path.display()),
     }
     None
 }
 
-/// Stores under `key`, or warns.
-fn keep<T, const BYTES: usize>(kind: &Kind<T, BYTES>, key: &Key, folder: &Path, made: Made<'_>) {
-    let path = key.file(kind.end, folder);
-    if let Err(error) = disk_cache::write(&path, encode(kind, key, made), CACHE) {
+/// Stores samples under `key`, or logs a warning.
+fn store<T, const BYTES: usize>(kind: &Kind<T, BYTES>, key: &Key, folder: &Path, input: Unstored<'_>) {
+    let path = key.file(kind.extension, folder);
+    if let Err(error) = disk_cache::write(&path, encode(kind, key, input), CACHE) {
         let folder = folder.display();
-        log::warn!(
-            "{folder}: the field cannot be kept: {error}; set HYPERTEXTURE_CACHE to a folder that can be written"
-        );
+        log::warn!("{folder}: cannot cache the field: {error}; set HYPERTEXTURE_CACHE to a folder that can be written");
     }
 }
 
@@ -212,12 +185,12 @@ fn floats(hash: &mut blake3::Hasher, values: &[f32]) {
     hash.update(bytemuck::cast_slice(values));
 }
 
-/// Grid, samples, and how they were computed.
+/// Grid, samples and statistics.
 type Stored<T> = (Grid, Vec<T>, FieldReport);
-/// The same to be stored: the floats of the samples.
-type Made<'a> = (&'a Grid, &'a [f32], &'a FieldReport);
+/// Grid, samples as floats and statistics, to be stored.
+type Unstored<'a> = (&'a Grid, &'a [f32], &'a FieldReport);
 
-fn encode<T, const BYTES: usize>(kind: &Kind<T, BYTES>, key: &Key, (grid, values, report): Made<'_>) -> Vec<u8> {
+fn encode<T, const BYTES: usize>(kind: &Kind<T, BYTES>, key: &Key, (grid, values, report): Unstored<'_>) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(HEADER_BYTES + 4 * values.len());
     bytes.extend_from_slice(kind.magic);
     bytes.extend_from_slice(&VERSION.to_le_bytes());
@@ -278,12 +251,12 @@ mod tests {
         Shape::Mesh(Mesh { positions, triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], ..Mesh::default() })
     }
 
-    /// The cached field, and whether it had to be computed.
+    /// The cached field, and whether it was computed.
     fn get(folder: &Path) -> (DistanceField, FieldReport, bool) {
         let computed = Cell::new(false);
-        let (field, report) = cached(&Key::new(&shape(), &REQUEST), folder, || {
+        let (field, _, report) = cached(&Key::new(&shape(), &REQUEST), folder, false, || {
             computed.set(true);
-            transform(&shape(), &REQUEST, &|_| {})
+            super::computed(&shape(), &REQUEST, false, &|_| {})
         })
         .unwrap();
         assert_eq!(report.from_cache, !computed.get());
@@ -308,9 +281,9 @@ mod tests {
         let key = Key::new(&shape(), &REQUEST);
         let computed = Cell::new(0);
         let get = || {
-            cached_with_closest(&key, folder.path(), || {
+            cached(&key, folder.path(), true, || {
                 computed.set(computed.get() + 1);
-                transform_with_closest(&shape(), &REQUEST, &|_| {})
+                super::computed(&shape(), &REQUEST, true, &|_| {})
             })
             .unwrap()
         };
@@ -318,8 +291,8 @@ mod tests {
         let (again, closest_again, report) = get();
         assert_eq!(computed.get(), 1);
         assert!(report.from_cache && field == again && closest == closest_again);
-        assert_eq!(field, cached(&key, folder.path(), || unreachable!("it was kept")).unwrap().0);
-        let path = key.file(CLOSEST.end, folder.path());
+        assert_eq!(field, cached(&key, folder.path(), false, || unreachable!("it is stored")).unwrap().0);
+        let path = key.file(CLOSEST.extension, folder.path());
         let mut bytes = fs::read(&path).unwrap();
         bytes[200] ^= 1;
         fs::write(&path, bytes).unwrap();
@@ -332,7 +305,7 @@ mod tests {
         let folder = folder.path();
         let key = Key::new(&shape(), &REQUEST);
         let (truth, ..) = get(folder);
-        let path = key.file(FIELD.end, folder);
+        let path = key.file(FIELD.extension, folder);
         let good = fs::read(&path).unwrap();
         for at in 0..good.len() {
             let mut bad = good.clone();

@@ -1,39 +1,37 @@
-//! Closest points: for every sample of a grid, where on the surface its distance is measured to.
+//! Closest surface points of the samples of a grid.
 //!
-//! Role: PH 4 asks for `project()` of empirical shapes by O(n^3) preprocessing; this is it. For meshes and scalar volumes
-//! the search for the distance finds the point too (`distance.rs`); a volume of distances brings no surface, and there
-//! the points are made here. Invariant: every point is finite, and next to the surface to the bound stated.
+//! Role: the O(n^3) preprocessing for `project()` of empirical shapes (PH 4). For meshes and scalar volumes the distance
+//! search finds the points too (`distance.rs`); here they are derived from a field alone. Invariant: every point is finite.
 
-use super::grid::{is_as_it_was, turned};
-use super::{DistanceField, Grid, Progress};
+use super::grid::{DistanceField, Grid, is_identity, turned};
+use super::request::Progress;
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Steps of Newton's method onto the zero level. Fewer: points of a coarse field stay off the surface. More: nothing, a
-/// distance field is nearly linear across a voxel.
+/// Newton steps onto the zero level. Lower leaves points of coarse fields off the surface; higher gains nothing.
 const STEPS: usize = 4;
-/// A point counts where the field there is at most this many voxels. Larger: points beside the surface spread to their
-/// neighbors. Smaller: fields of few bits have none.
+/// Largest field value of an accepted point, in voxels. Higher spreads points off the surface to neighbors; lower leaves none
+/// in fields of few bits.
 const ON_SURFACE: f32 = 0.05;
-/// Times that samples take over a neighbor's point which is nearer than their own. Fewer: gradients that mix the two
-/// sides of a medial axis, two samples wide, are not mended. More: nothing.
+/// Rounds of taking over nearer points of neighbors. Lower leaves wrong points at a medial axis, where gradients mix its two
+/// sides; higher gains nothing.
 const EXCHANGES: usize = 3;
 
-/// For every sample of a grid the closest point of a surface, world space.
+/// The closest surface point of every sample of a grid, in world space.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClosestPoints {
-    /// Where the samples are.
+    /// The samples' grid.
     pub grid: Grid,
-    /// One finite point for each sample of `grid`, x fastest.
+    /// Finite point of each sample.
     pub points: Vec<Vec3>,
 }
 
 impl ClosestPoints {
-    /// The closest points of the zero level of a distance field, by its values and gradients alone.
+    /// The closest points of the zero level of a distance field, from its values and gradients.
     ///
-    /// Each sample steps along the gradient onto the zero level, and then takes the point of a neighbor if that is
-    /// nearer. Accuracy, where the field is a distance: a tenth of a voxel on smooth surfaces; up to a voxel at edges,
-    /// which the samples do not know. Where it is no distance, as beyond a band that is cut off, the point is as far as the value says, along the gradient.
+    /// Each sample steps along the gradient onto the zero level, then takes a neighbor's point if that is nearer. Accurate to a
+    /// tenth of a voxel on smooth surfaces and to a voxel at edges. Where the field is not a distance, as beyond a clamped
+    /// band, the point is as far along the gradient as the value says.
     pub fn of_field(field: &DistanceField, progress: Progress) -> ClosestPoints {
         let grid = field.grid;
         let [nx, ny, _] = grid.size;
@@ -84,9 +82,9 @@ impl ClosestPoints {
         ClosestPoints { grid, points }
     }
 
-    /// The same points in a space with other axes: see [`DistanceField::turned`].
+    /// The points with permuted axes: see [`DistanceField::turned`].
     pub fn turned(self, axes: [(usize, bool); 3]) -> ClosestPoints {
-        if is_as_it_was(axes) {
+        if is_identity(axes) {
             return self;
         }
         let (grid, mut points) = turned(&self.grid, &self.points, axes);
@@ -98,13 +96,13 @@ impl ClosestPoints {
     }
 }
 
-/// The step from `p` onto the zero level of a linear function with this value and gradient there; `p` without a gradient.
+/// Newton step from `p` onto the zero level; `p` itself where the gradient vanishes.
 fn stepped(p: Vec3, value: f32, gradient: Vec3) -> Vec3 {
     let squared = gradient.length_squared();
     if squared > 0.1 { p - gradient * (value / squared) } else { p }
 }
 
-/// Gradient at any point, by differences over a voxel.
+/// Gradient at any point by differences over a voxel.
 fn slope(field: &DistanceField, p: Vec3) -> Vec3 {
     Vec3::from(Vec3::AXES.map(|axis| {
         let step = 0.5 * axis * field.grid.spacing;

@@ -1,12 +1,11 @@
-//! Unsigned distances on a grid of cubic voxels: exact near the surface, safe lower bounds far from it.
+//! Unsigned distances on a grid of cubic voxels: exact near the surface, lower bounds far from it.
 //!
-//! Invariant: voxel units; a value is the distance to f32 rounding, or less than it by at most [`GAP`].
-//! Exact distances are first found at the corners of blocks of 4 x 4 x 4 voxels, and before those at the corners of
-//! blocks of corners, and so on. Between them, `d(x)^2 - |x|^2` is a minimum of linear functions of `x`, one for each
-//! surface point, hence concave: trilinear interpolation of its corner values never exceeds it. Adding `|x|^2` back gives
-//! a lower bound, exact at the corners and wherever they share a nearest point. The corners' nearest points give an upper
-//! bound, and where the two differ too much, or the band may be reached, the voxel is searched for exactly, together with
-//! the others of its block.
+//! Invariant: values are in voxels, and exact to f32 rounding or short by at most [`GAP`].
+//! Exact distances are computed hierarchically at the corners of blocks of 4 x 4 x 4 voxels. Between them, `d(x)^2 - |x|^2` is
+//! a minimum of linear functions of `x`, one for each surface point, hence concave: trilinear interpolation of its corner
+//! values never exceeds it. Adding `|x|^2` gives a lower bound, exact at the corners and wherever they share a nearest point.
+//! The corners' nearest points give an upper bound. Where the two differ too much or the band may be reached, the voxels of
+//! the block are searched exactly.
 
 use super::bvh::Bvh;
 use super::face::{LANES, Lanes};
@@ -15,21 +14,22 @@ use super::stage::Stage;
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Voxels along a side of a block. Smaller: the corners cost more than they save. Larger: blocks reach the medial
-/// axis or the surface more often and are searched voxel by voxel.
+/// Voxels per side of a block. Lower: corners cost more than they save. Higher: more blocks reach the medial axis or the
+/// surface and are searched voxel by voxel.
 pub(super) const BLOCK: usize = SIDE;
-/// Largest loss of a lower bound, in voxels. Smaller: more exact searches far away, for rays that skip there anyway.
-/// Larger: gradients outside the band go wrong by half of it where exact values and lower bounds meet.
+/// Largest error of a lower bound, in voxels. Lower needs more exact searches far away. Higher makes gradients outside the band
+/// wrong by half of it where exact values and lower bounds meet.
 const GAP: f32 = 0.25;
-/// Subtracted from lower bounds: the rounding of coordinates up to 1024 voxels, with room to spare.
+/// Rounding of coordinates up to 1024 voxels, with a margin, subtracted from lower bounds.
 const ROUNDING: f32 = 1.0e-3;
-/// Distances of every voxel of a grid and of every corner of its blocks.
+
+/// Distances of the voxels of a grid and of the corners of its blocks.
 pub(super) struct Distances {
     size: [usize; 3],
     corners: Vec<Hit>,
     values: Vec<f32>,
     exact: Vec<bool>,
-    /// Nearest points, one for each value, where they were asked for; else empty.
+    /// Nearest point of each value, if requested.
     points: Vec<Vec3>,
 }
 
@@ -39,7 +39,7 @@ pub(super) fn corner_size(size: [usize; 3]) -> [usize; 3] {
 }
 
 impl Distances {
-    /// Distances to nothing: infinite. With `points`, the nearest points are kept too.
+    /// Infinite distances. `points` requests nearest points.
     pub(super) fn new(size: [usize; 3], points: bool) -> Distances {
         let voxels = size.iter().product();
         let corners = corner_size(size).iter().product();
@@ -52,7 +52,7 @@ impl Distances {
         }
     }
 
-    /// Adds the last of `surfaces`; the others have been added before. `band` is in voxels.
+    /// Adds the last of `surfaces`, after the others have been added. `band` is in voxels.
     pub(super) fn add(&mut self, surfaces: &[&Bvh], band: f32, stage: &Stage) {
         let Some(added) = surfaces.last() else { return };
         approach(&mut self.corners, corner_size(self.size), BLOCK as f32, added);
@@ -68,32 +68,31 @@ impl Distances {
         });
     }
 
-    /// One value for each voxel, x fastest.
+    /// Distance of each voxel, x fastest.
     pub(super) fn values(&self) -> &[f32] {
         &self.values
     }
 
-    /// Distance of every block corner.
+    /// Distance of a block corner.
     pub(super) fn corner(&self, index: usize) -> f32 {
         self.corners[index].d2.sqrt()
     }
 
-    /// Voxels with exact distances.
+    /// Number of voxels with exact distances.
     pub(super) fn exact(&self) -> usize {
         self.exact.par_iter().filter(|&&exact| exact).count()
     }
 
-    /// The values, and the nearest points if they were asked for: where a value is a lower bound, a point of the surface
-    /// that is farther by at most [`GAP`] than it.
+    /// The values, and the nearest points if requested. The point of a lower bound is on the surface, farther by at most [`GAP`].
     pub(super) fn into_values(self) -> (Vec<f32>, Vec<Vec3>) {
         (self.values, self.points)
     }
 }
 
-/// Brings what is known of a lattice of points, `spacing` apart, up to date with one more surface, exactly.
+/// Updates the exact nearest points of a lattice, `spacing` apart, with another surface.
 fn approach(hits: &mut [Hit], size: [usize; 3], spacing: f32, surface: &Bvh) {
     let corners = corner_size(size);
-    // Of one block alone, or where something is known already, nothing is gained by looking from farther away.
+    // A coarser lattice helps neither a single block nor an update.
     let coarse = (size.iter().any(|&n| n > SIDE) && hits[0].d2.is_infinite()).then(|| {
         let mut coarse = vec![Hit::NONE; corners.iter().product()];
         approach(&mut coarse, corners, spacing * SIDE as f32, surface);
@@ -110,7 +109,7 @@ struct Approach<'a> {
     size: [usize; 3],
     spacing: f32,
     layer: usize,
-    /// Corners of all blocks, if anything is known of them.
+    /// Nearest points of the corners of all blocks, if known.
     coarse: Option<&'a [Hit]>,
     hits: &'a mut [Hit],
     surface: &'a Bvh,
@@ -119,7 +118,7 @@ struct Approach<'a> {
 impl pulp::NullaryFnOnce for Approach<'_> {
     type Output = ();
 
-    #[inline(always)] // as all that is called here: into code for the vectors of this processor
+    #[inline(always)] // with all its callees, to be compiled for the vectors of this processor
     fn call(self) {
         for at in blocks(self.size, self.layer) {
             let low = Vec3::from_array(at.map(|c| (c * BLOCK) as f32)) * self.spacing;
@@ -157,7 +156,7 @@ struct Fill<'a> {
     corners: &'a [Hit],
     values: &'a mut [f32],
     exact: &'a mut [bool],
-    /// One for each value or none.
+    /// One for each value, or empty.
     points: &'a mut [Vec3],
     surfaces: &'a [&'a Bvh],
     band: f32,
@@ -166,7 +165,7 @@ struct Fill<'a> {
 impl pulp::NullaryFnOnce for Fill<'_> {
     type Output = ();
 
-    #[inline(always)] // as above
+    #[inline(always)] // see `Approach`
     fn call(mut self) {
         for at in blocks(self.size, self.layer) {
             self.fill(at);
@@ -175,7 +174,7 @@ impl pulp::NullaryFnOnce for Fill<'_> {
 }
 
 impl Fill<'_> {
-    /// Adds the last of the surfaces to the voxels of a block. What was exact before can only be shortened by that one.
+    /// Adds the last surface to the voxels of a block.
     #[inline(always)]
     fn fill(&mut self, at: [usize; 3]) {
         let (size, wanted) = (self.size, !self.points.is_empty());
@@ -187,7 +186,7 @@ impl Fill<'_> {
             block.take(&mut points, |id, _| corners[id as usize].point);
         }
         let lower = lower_bounds(&corners);
-        // What is known of the voxels that were exact before, for the last of the surfaces.
+        // Squared upper bounds of voxels that are exact already, for the last surface.
         let mut kept = [[0.0; LANES]; SIDE];
         for (layer, lane) in PLACES {
             let d2 = &mut block.d2[layer][lane];
@@ -200,7 +199,7 @@ impl Fill<'_> {
                 kept[layer][lane] = d2.min(self.values[i] * self.values[i]);
                 *d2 = 0.0;
             } else if bound > self.band.max(1.0) && d2.sqrt() - bound <= GAP {
-                // Within a voxel of the surface the sign needs the exact distance whatever the band.
+                // Within a voxel of the surface the sign needs the exact distance, whatever the band.
                 self.values[i] = bound;
                 if wanted {
                     self.points[i] = points[layer][lane];
@@ -235,7 +234,7 @@ impl Fill<'_> {
     }
 }
 
-/// No points.
+/// Points of a block with nothing found.
 const NOWHERE: Points = [[Vec3::INFINITY; LANES]; SIDE];
 /// Layer and lane of each point of a block.
 const PLACES: [(usize, usize); SIDE * LANES] = {
@@ -255,7 +254,7 @@ fn blocks(size: [usize; 3], layer: usize) -> impl Iterator<Item = [usize; 3]> {
     (0..nx * ny).map(move |i| [i % nx, i / nx, layer])
 }
 
-/// Where a point of a block is in its layer of blocks, if the lattice reaches so far.
+/// Index of a point of a block in its layer of blocks; `None` beyond the lattice.
 #[inline(always)]
 fn index(size: [usize; 3], at: [usize; 3], layer: usize, lane: usize) -> Option<usize> {
     let [x, y, z] = [at[0] * BLOCK + lane % BLOCK, at[1] * BLOCK + lane / BLOCK, at[2] * BLOCK + layer];
@@ -272,7 +271,7 @@ fn around(at: [usize; 3], size: [usize; 3], corners: &[Hit]) -> [Hit; 8] {
     })
 }
 
-/// Offers the nearest points of the corners, under their numbers.
+/// Offers the nearest points of the corners, with their numbers as ids.
 #[inline(always)]
 fn offer(block: &mut Block, corners: &[Hit; 8]) {
     for (corner, id) in corners.iter().zip(0..) {
@@ -280,7 +279,7 @@ fn offer(block: &mut Block, corners: &[Hit; 8]) {
     }
 }
 
-/// See the head of this file; about 0 where the surface may be near.
+/// Lower bounds of a block, see the module documentation; about 0 near the surface.
 #[inline(always)]
 #[expect(clippy::needless_range_loop, reason = "loops over the lanes of several arrays become vectors")]
 fn lower_bounds(corners: &[Hit; 8]) -> [Lanes; SIDE] {

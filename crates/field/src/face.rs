@@ -1,51 +1,51 @@
-//! The distance of many points to one triangle, in the frame of the triangle.
+//! Distances of many points to a triangle, in the triangle's frame.
 //!
-//! Invariant: the first corner is the origin, the longest edge the first axis, and the third corner is above it, so
-//! that a triangle without height is its longest edge, and one without extent a point, with no case of its own.
+//! Invariant: the first corner is the origin, the longest edge the first axis, and the third corner is above it. Degenerate
+//! triangles are then edges or points without special cases.
 
 #![expect(clippy::needless_range_loop, reason = "loops over the lanes of several arrays become vectors")]
 
 use super::tetra::Triangle;
 use glam::{DVec3, Vec3};
 
-/// What boxes are widened by, voxels: more than the rounding of coordinates up to 1024 voxels.
+/// Widening of boxes in voxels, above the rounding of coordinates up to 1024 voxels.
 const SLACK: f32 = 1.0e-3;
-/// Points that are measured at once. Fewer: vectors of 16 lanes stay half empty. More: registers do not hold them.
+/// Points measured together. Lower leaves vectors of 16 lanes half empty; higher exceeds the registers.
 pub(super) const LANES: usize = 16;
-/// A value for each point.
+/// A value per point.
 pub(super) type Lanes = [f32; LANES];
 
-/// A box along axes of its own; lengths in voxels.
+/// An oriented box; lengths in voxels.
 pub(super) struct Frame {
     origin: Vec3,
     axes: [Vec3; 3],
-    /// From the origin, along the axes.
+    /// Lengths along the axes, from the origin.
     size: [f32; 3],
 }
 
-/// A triangle in its frame: along the longest edge, towards the third corner, and the normal.
+/// A triangle in its frame: along the longest edge, towards the third corner, along the normal.
 pub(super) struct Face {
     frame: Frame,
-    /// Where the third corner is along the longest edge.
+    /// Position of the third corner along the longest edge.
     apex: f32,
-    /// 1 / squared length of the edges from the ends of the longest edge to the apex; 0 for one without length.
+    /// Reciprocal squared lengths of the edges from the ends of the longest edge to the apex; 0 for one without length.
     inverse: [f32; 2],
 }
 
-/// The larger. Unlike `f32::max` one instruction, for it may return either where one is not a number.
+/// Maximum in one instruction, unlike `f32::max`. Returns either argument if one is NaN.
 #[inline(always)]
 fn max(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
-/// The smaller, as [`max`].
+/// Minimum, like [`max`].
 #[inline(always)]
 fn min(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
-/// The direction of a vector across an axis; any such direction where no more than rounding is left of it: of a needle,
-/// that may point along the axis.
+/// Direction of a vector's part orthogonal to an axis; any orthogonal direction if only rounding is left of that part, which may
+/// point along the axis.
 fn across(vector: DVec3, axis: DVec3) -> DVec3 {
     let once = vector.reject_from_normalized(axis).normalize_or_zero();
     let twice = once.reject_from_normalized(axis);
@@ -53,7 +53,7 @@ fn across(vector: DVec3, axis: DVec3) -> DVec3 {
 }
 
 impl Frame {
-    /// The box of some triangles along the sum of their normals: flat, where they are parts of a smooth surface.
+    /// The box of some triangles with z along the sum of their normals, thin for a smooth surface.
     pub(super) fn around(triangles: &[Triangle]) -> Frame {
         let origin = triangles.first().map_or(Vec3::ZERO, |t| t[0]);
         let edges = triangles.iter().map(|t| t.map(Vec3::as_dvec3)).map(|[a, b, c]| (b - a, c - a));
@@ -70,7 +70,7 @@ impl Frame {
         Frame { origin: origin + axes[0] * low.x + axes[1] * low.y + axes[2] * low.z, axes, size: (high - low).into() }
     }
 
-    /// The share of `x` and `y` in the coordinates of points in this frame.
+    /// Contribution of `x` and `y` to the coordinates of points in this frame.
     #[inline(always)]
     pub(super) fn flat(&self, x: &Lanes, y: &Lanes) -> [Lanes; 3] {
         let mut flat = [[0.0; LANES]; 3];
@@ -83,7 +83,7 @@ impl Frame {
         flat
     }
 
-    /// Whether one of the points in a plane of constant `z` is nearer to the box than `d2`, squared, says.
+    /// Whether a point in a plane of constant `z` is nearer to the box than its squared distance in `d2`.
     #[inline(always)]
     pub(super) fn gains(&self, flat: &[Lanes; 3], z: f32, d2: &Lanes) -> bool {
         let z = z - self.origin.z;
@@ -134,8 +134,8 @@ impl Face {
         &self.frame
     }
 
-    /// Lowers `d2`, the squared distances of points in a plane of constant `z`, to those to this triangle where it is
-    /// nearer, and there sets `ids` to `id`.
+    /// Lowers the squared distances `d2` of points in a plane of constant `z` to those to this triangle, and sets `ids` to `id`
+    /// there.
     #[inline(always)]
     pub(super) fn lower(&self, id: u32, flat: &[Lanes; 3], z: f32, d2: &mut Lanes, ids: &mut [u32; LANES]) {
         let z = z - self.frame.origin.z;
@@ -157,7 +157,7 @@ impl Face {
         p - az * to.dot(az) - ax * du - ay * dv
     }
 
-    /// Squared distance in the plane, and the way to the point from the nearest one of the triangle.
+    /// Squared distance in the plane, and the offset from the nearest point of the triangle.
     #[inline(always)]
     fn planar(&self, u: f32, v: f32) -> (f32, [f32; 2]) {
         let ([length, cv, _], cu) = (self.frame.size, self.apex);

@@ -1,28 +1,48 @@
-//! Sample points, and the field read at and between them.
+//! Sample grids, and fields read at and between samples.
 
-use super::{DistanceField, FieldError, Grid, Request};
+use super::error::FieldError;
+use super::request::Request;
 use glam::{DVec3, Mat3, Vec3};
 use rayon::prelude::*;
 use shape::{Bounds, Content, Volume};
 
-/// World positions to voxel units of a grid, in f64 before rounding.
+/// A regular grid of samples in world space: x fastest, then y, then z.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grid {
+    /// Samples per axis: at least 2 if chosen by [`Grid::covering`], at least 1 in a volume of signed distances.
+    pub size: [u32; 3],
+    /// World position of sample (0, 0, 0).
+    pub origin: Vec3,
+    /// Positive world distance between neighboring samples, by axis. Equal on all axes if chosen by [`Grid::covering`].
+    pub spacing: Vec3,
+}
+
+/// Signed distance to a surface on a [`Grid`]: positive outside, negative inside, world units.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DistanceField {
+    /// The samples' grid.
+    pub grid: Grid,
+    /// Finite value of each sample.
+    pub values: Vec<f32>,
+}
+
+/// Conversion between world positions and voxel units of a grid, in f64 before rounding.
 pub(super) struct Local {
     origin: DVec3,
     spacing: DVec3,
 }
 
 impl Local {
-    /// Voxel units of `grid`.
     pub(super) fn new(grid: &Grid) -> Local {
         Local { origin: grid.origin.as_dvec3(), spacing: grid.spacing.as_dvec3() }
     }
 
-    /// Position in voxels.
+    /// A world position in voxels.
     pub(super) fn of_world(&self, p: Vec3) -> Vec3 {
         self.of_f64(p.as_dvec3())
     }
 
-    /// Position in voxels.
+    /// A world position in voxels.
     pub(super) fn of_f64(&self, p: DVec3) -> Vec3 {
         ((p - self.origin) / self.spacing).as_vec3()
     }
@@ -34,8 +54,8 @@ impl Local {
 }
 
 impl Grid {
-    /// The grid of cubic voxels that `request` asks for around `bounds`: centered, `resolution` samples along the
-    /// longest side, on the others as many as cover it, at least 2.
+    /// The grid of cubic voxels around `bounds` with their margin: centered, `resolution` samples along the longest side, as
+    /// many as needed along the others, at least 2.
     ///
     /// # Errors
     /// [`FieldError::Resolution`], [`FieldError::Length`] or [`FieldError::Extent`].
@@ -81,7 +101,7 @@ impl Grid {
 }
 
 impl DistanceField {
-    /// The same in world units that are `1 / by` times as long.
+    /// The field scaled by `by`.
     pub(super) fn scaled(self, by: f32) -> DistanceField {
         let Grid { size, origin, spacing } = self.grid;
         let grid = Grid { size, origin: by * origin, spacing: by * spacing };
@@ -96,9 +116,9 @@ impl DistanceField {
         self.values[self.index([i, j, k])]
     }
 
-    /// Trilinear interpolation at a world position, held to the grid; NaN for a position that is not a number.
+    /// Trilinear interpolation at a world position clamped to the grid; NaN at NaN.
     ///
-    /// Accuracy: half the square of the spacing times the curvature of the surface, next to that of the samples.
+    /// Error besides that of the samples: half the square of the spacing times the curvature of the surface.
     pub fn sample(&self, p: Vec3) -> f32 {
         if p.is_nan() {
             return f32::NAN;
@@ -120,9 +140,8 @@ impl DistanceField {
         range(&self.values)
     }
 
-    /// Change of the distance per world unit at sample (i, j, k): central differences, one-sided at the borders,
-    /// 0 on an axis of one sample. Its length is 1 in the band away from the medial axis, to second order in the
-    /// spacing (first at the borders).
+    /// Gradient at sample (i, j, k) by central differences, one-sided at the borders, 0 along an axis of one sample. Its length
+    /// is 1 in the band away from the medial axis, to second order in the spacing (first at the borders).
     ///
     /// # Panics
     /// Where an index is not below `grid.size`.
@@ -141,14 +160,14 @@ impl DistanceField {
         }))
     }
 
-    /// [`DistanceField::gradient`] at every sample of the row (j, k), bit for bit: its components, each for all of them.
+    /// [`DistanceField::gradient`] at every sample of the row (j, k), bit for bit, by component.
     ///
     /// # Panics
     /// Where an index is not below `grid.size`.
     pub fn gradients(&self, j: u32, k: u32) -> [Vec<f32>; 3] {
         let [nx, ny, nz] = self.grid.size;
         let row = |j: u32, k: u32| &self.values[self.index([0, j, k])..][..nx as usize];
-        // From one row to another: the rise is divided by so much, and 0 where there is one row alone.
+        // The slope between two rows `length` apart; 0 for a single row.
         let rise = |low: &[f32], high: &[f32], length: f32| -> Vec<f32> {
             let rise = |(low, high): (&f32, &f32)| if length > 0.0 { (high - low) / length } else { 0.0 };
             low.iter().zip(high).map(rise).collect()
@@ -167,18 +186,17 @@ impl DistanceField {
         [(0..nx).map(dx).collect(), dy, dz]
     }
 
-    /// The same field in a space with other axes: for each new axis the old one, and whether it is reversed.
-    ///
-    /// Each of the three old axes must be named once. No value changes.
+    /// The field with its axes permuted and reversed: for each new axis the old one, and whether it is reversed. Each old axis
+    /// occurs once.
     pub fn turned(self, axes: [(usize, bool); 3]) -> DistanceField {
-        if is_as_it_was(axes) {
+        if is_identity(axes) {
             return self;
         }
         let (grid, values) = turned(&self.grid, &self.values, axes);
         DistanceField { grid, values }
     }
 
-    /// The field as a volume of [`Content::SignedDistance`], for a file.
+    /// Converts to a volume of [`Content::SignedDistance`].
     pub fn into_volume(self) -> Volume {
         Volume {
             size: self.grid.size,
@@ -189,11 +207,11 @@ impl DistanceField {
         }
     }
 
-    /// The field that a volume of [`Content::SignedDistance`] holds: its own samples, nothing computed.
+    /// Converts from a volume of [`Content::SignedDistance`].
     ///
     /// # Errors
-    /// [`FieldError::Content`] for a scalar volume; [`FieldError::Samples`] if sizes and values disagree;
-    /// [`FieldError::Oblique`] if its axes are not those of the world.
+    /// [`FieldError::Content`] for other content, [`FieldError::Samples`] if size and values disagree, [`FieldError::Oblique`] if
+    /// the grid is not axis-aligned.
     pub fn from_volume(volume: &Volume) -> Result<DistanceField, FieldError> {
         if volume.content != Content::SignedDistance {
             return Err(FieldError::Content);
@@ -213,12 +231,12 @@ impl DistanceField {
     }
 }
 
-/// Whether axes are the old ones, in their order.
-pub(super) fn is_as_it_was(axes: [(usize, bool); 3]) -> bool {
+/// Whether a permutation of axes changes nothing.
+pub(super) fn is_identity(axes: [(usize, bool); 3]) -> bool {
     axes == [(0, false), (1, false), (2, false)]
 }
 
-/// A grid and what is at its samples in a space with other axes: see [`DistanceField::turned`].
+/// A grid and its samples with permuted axes: see [`DistanceField::turned`].
 pub(super) fn turned<T: Copy>(from: &Grid, samples: &[T], axes: [(usize, bool); 3]) -> (Grid, Vec<T>) {
     let to = |vector: Vec3| Vec3::from(axes.map(|(axis, _)| vector[axis]));
     let size = axes.map(|(axis, _)| from.size[axis]);
@@ -239,7 +257,7 @@ pub(super) fn turned<T: Copy>(from: &Grid, samples: &[T], axes: [(usize, bool); 
     (Grid { size, origin, spacing: to(from.spacing) }, turned)
 }
 
-/// Whether a volume holds the samples that it claims.
+/// Checks that the number of values matches the size.
 pub(super) fn check_samples(volume: &Volume) -> Result<(), FieldError> {
     let expected = volume.size.iter().try_fold(1u64, |a, &n| a.checked_mul(u64::from(n))).unwrap_or(u64::MAX);
     let found = volume.values.len() as u64;
@@ -249,7 +267,7 @@ pub(super) fn check_samples(volume: &Volume) -> Result<(), FieldError> {
     Ok(())
 }
 
-/// Smallest and largest of some values.
+/// Smallest and largest value.
 pub(super) fn range(values: &[f32]) -> (f32, f32) {
     let none = || (f32::INFINITY, f32::NEG_INFINITY);
     let both = |a: (f32, f32), b: (f32, f32)| (a.0.min(b.0), a.1.max(b.1));

@@ -1,8 +1,7 @@
-//! The iso-surface of a scalar volume, between its samples.
+//! Iso-surface of a scalar volume.
 //!
-//! Invariant: the sign of [`Scalar::level`] changes exactly across [`Scalar::triangles`], since both come from the same
-//! tetrahedra. Outside the samples is outside: a layer far below the iso-value closes an object cut by the border,
-//! flat to a thousandth of a sample.
+//! Invariant: the sign of [`Scalar::level`] changes exactly across [`Scalar::triangles`], since both use the same tetrahedra.
+//! A layer far below the iso-value around the samples closes objects cut by the border, flat to a thousandth of a sample.
 
 use super::grid::Local;
 use super::tetra::{self, Triangle};
@@ -10,11 +9,11 @@ use glam::DVec3;
 use rayon::prelude::*;
 use shape::{Axes, Volume};
 
-/// Depth of the layer around the volume, over the largest difference to the iso-value. Smaller: the cap over a cut
-/// becomes wavy. Larger: the cap degenerates to slivers.
+/// Depth of the layer around the volume, over the largest difference to the iso-value. Lower makes caps wavy; higher
+/// degenerates them to slivers.
 const BORDER: f64 = 1.0e3;
 
-/// A scalar volume less its iso-value, with a border of one outside layer.
+/// A scalar volume minus its iso-value, with one outside layer around it.
 pub(super) struct Scalar<'a> {
     volume: &'a Volume,
     axes: Axes,
@@ -23,14 +22,14 @@ pub(super) struct Scalar<'a> {
 }
 
 impl<'a> Scalar<'a> {
-    /// `range` is that of the values.
+    /// A volume with the range of its values.
     pub(super) fn new(volume: &'a Volume, iso: f32, range: (f32, f32)) -> Scalar<'a> {
         let iso = f64::from(iso);
         let spread = (f64::from(range.1) - iso).abs().max((f64::from(range.0) - iso).abs());
         Scalar { volume, axes: volume.axes(), iso, border: -BORDER * spread }
     }
 
-    /// Triangles of the surface in voxel units of the wanted grid.
+    /// Triangles of the surface in voxel units of `local`.
     pub(super) fn triangles(&self, local: &Local) -> Vec<Triangle> {
         let [nx, ny, nz] = self.volume.size.map(i64::from);
         let slabs = (-1..nz).into_par_iter().map(|z| {
@@ -53,7 +52,7 @@ impl<'a> Scalar<'a> {
         slabs.collect::<Vec<_>>().concat()
     }
 
-    /// Value less iso-value at a world position, the deep border value where the volume does not reach.
+    /// Value minus iso-value at a world position; the border's beyond the volume.
     pub(super) fn level(&self, world: DVec3) -> f64 {
         let at = self.axes.index(world);
         let size = DVec3::from_array(self.volume.size.map(f64::from));

@@ -1,7 +1,7 @@
-//! The surface between the samples of a grid that are inside and the others, as a mesh.
+//! The surface between inside and outside samples of a grid, as a mesh.
 //!
-//! Role: which edges it crosses and how its triangles hang together; where on an edge it is, the caller knows. Invariant:
-//! it is closed, every edge has two triangles that are wound alike, and nothing depends on the number of threads.
+//! Role: the crossed edges and the triangles on them; the caller places the vertices on the edges. Invariant: the surface is
+//! closed and consistently wound, whatever the number of threads.
 //! Source: Doi & Koide 1991 (marching tetrahedra), by the tetrahedra of [`super::tetra`].
 
 use super::tetra;
@@ -10,14 +10,14 @@ use rayon::prelude::*;
 /// A closed surface on the edges of a grid.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LevelSet {
-    /// What each vertex lies between: the index of a sample inside, and that of one outside; x fastest.
+    /// The edge of each vertex: indices of a sample inside and of one outside, x fastest.
     pub edges: Vec<[u32; 2]>,
-    /// Three vertices each, counterclockwise seen from outside.
+    /// Vertices of each triangle, counterclockwise as seen from outside.
     pub triangles: Vec<[u32; 3]>,
 }
 
 impl LevelSet {
-    /// The surface of a grid of `size` samples, fewer than 2^32. The samples at its border count as outside.
+    /// The surface of a grid of fewer than 2^32 samples. Border samples count as outside.
     pub fn of(size: [u32; 3], is_inside: impl Fn(u32) -> bool + Sync) -> LevelSet {
         let index = |at: [u32; 3]| (at[2] * size[1] + at[1]) * size[0] + at[0];
         let is_inside =
@@ -57,7 +57,7 @@ mod tests {
     use shape::Mesh;
     use support::random::SplitMix;
 
-    /// The mesh of a level set with each vertex so far from the sample inside, in edges.
+    /// The mesh of a level set; `part` gives the place of a vertex on its edge, from the sample inside.
     fn mesh(size: [u32; 3], set: &LevelSet, part: impl Fn([Vec3; 2]) -> f32) -> Mesh {
         let place = |at: u32| {
             Vec3::new((at % size[0]) as f32, (at / size[0] % size[1]) as f32, (at / size[0] / size[1]) as f32)
@@ -80,7 +80,6 @@ mod tests {
                 let mesh = mesh(size, &set, |_| 0.4);
                 let edges = mesh.edges();
                 assert_eq!((edges.open, edges.crowded, edges.turned), (0, 0, 0), "{size:?}");
-                // An edge lies in tetrahedra of one volume each, so that each sample inside has the volume around it.
                 assert!(set.edges.iter().all(|[a, b]| inside[*a as usize] && *a < count && *b < count));
                 assert!(set.triangles.is_empty() || mesh.signed_volume() > 0.0);
             }

@@ -1,39 +1,39 @@
-//! Surfaces buried in a solid: where solids overlap, the parts of each inside another are not boundary.
+//! Removal of surfaces buried in overlapping solids.
 //!
-//! Invariant: a removed piece has, at its samples, the inside on both of its sides. The work is bounded by the grid, however
-//! often triangles cross: what is not looked at by then is kept, which leaves the outside as it is.
+//! Invariant: a removed piece has the inside on both sides at its samples. The work is bounded by the size of the grid; pieces
+//! left by then are kept, which does not change the outside.
 
 use super::tetra::Triangle;
 use super::winding::{POINTS, Winding, inside};
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Distance of the two sides that are compared, in voxels. Smaller: the solid angle of the triangle itself loses its
-/// sign to rounding. Larger: thin walls are looked through.
+/// Offset of the compared points from the surface, in voxels. Lower loses the sign of the triangle's own solid angle to
+/// rounding; higher reaches through thin walls.
 const SIDE: f32 = 0.02;
-/// A triangle that is partly buried is divided until its edges are this short, in voxels. Smaller: costs more.
-/// Larger: the seam where two solids meet reaches visibly into the solid.
+/// Edge length in voxels at which partly buried triangles are no longer divided. Lower costs more; higher leaves visible seams
+/// inside the solid.
 const SEAM: f32 = 0.5;
-/// A triangle with longer edges is divided even where its samples agree, so that a rod through it is seen.
+/// Edge length in voxels above which triangles are divided even if their samples agree, to find thin crossings.
 const COARSE: f32 = 8.0;
-/// Nodes and triangles that are looked at for one sample of the grid, at least for all of them (about a second of a
-/// processor), and for one triangle besides: four times what one of the teapot takes. Fewer: scans of several solids keep
-/// parts of their seams. More: a tangle takes minutes.
+/// Limits of visited nodes and triangles: per sample of the grid, in total at least (about a second of processor time), and per
+/// triangle (four times the need of the teapot). Lower leaves seams in scans of several solids; higher spends minutes on
+/// tangles.
 const VISITS: u64 = 8;
 const LEAST_VISITS: u64 = 24_000_000;
 const VISITS_OF_TRIANGLE: u64 = 2048;
-/// Pieces that are looked at between two looks at what has been spent.
+/// Pieces processed between two checks of the limit.
 const TOGETHER: usize = 1024;
 
-/// What becomes of a piece.
+/// Verdict on a piece.
 enum Fate {
     Buried,
     Kept,
     Divided([Triangle; 2]),
 }
 
-/// The triangles that bound the solid, cut where they dive into another, on a grid of so many samples; and whether some were
-/// kept that nobody looked at.
+/// The triangles that bound the solid, cut where they enter another, and whether the limit of work was reached. `samples` is the
+/// size of the grid.
 pub(super) fn boundary(triangles: &[Triangle], winding: &Winding, samples: u64) -> (Vec<Triangle>, bool) {
     let mut left = (VISITS * samples).max(LEAST_VISITS) + VISITS_OF_TRIANGLE * triangles.len() as u64;
     let (mut pieces, mut kept, mut is_tangled) = (triangles.to_vec(), Vec::new(), false);
@@ -60,7 +60,7 @@ pub(super) fn boundary(triangles: &[Triangle], winding: &Winding, samples: u64) 
     (kept, is_tangled)
 }
 
-/// What becomes of a piece, and what it took to see that.
+/// The verdict on a piece, and the number of visits it took.
 fn fate(triangle: &Triangle, winding: &Winding) -> (Fate, u64) {
     let [a, b, c] = *triangle;
     let normal = (b - a).cross(c - a).normalize_or_zero() * SIDE;
@@ -83,7 +83,7 @@ fn fate(triangle: &Triangle, winding: &Winding) -> (Fate, u64) {
             return (Fate::Kept, visits);
         }
     }
-    // Halving the longest edge ends for slivers too.
+    // Halving the longest edge terminates for slivers too.
     let [a, b, c] = if a.distance(b) == longest {
         [a, b, c]
     } else if b.distance(c) == longest {

@@ -1,8 +1,8 @@
-//! Triangles that close the holes of a mesh.
+//! Hole filling for meshes.
 //!
-//! Invariant: after adding them, neighbors of different sign have distances that add up to at most [`APART`] voxels, so that
-//! the signed field is continuous. They are the level 1/2 of the winding number, in those tetrahedra of the grid where
-//! the sign changes across an edge that no triangle can cross.
+//! Invariant: with the added triangles, distances of neighbors of different sign add up to at most [`APART`] voxels, so the
+//! signed field is continuous. The triangles are the level 1/2 of the winding number, in the tetrahedra of the grid where the
+//! sign changes across an edge that no triangle crosses.
 
 use super::sign::APART;
 use super::tetra::{self, Triangle};
@@ -10,10 +10,10 @@ use super::winding::Winding;
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Least distance of a winding number from 1/2 at a voxel, so that a cut never leaves the edge that it closes.
+/// Least distance of a winding number from 1/2 at a voxel, which keeps each crossing on its edge.
 const OFF_HALF: f64 = 1.0e-3;
 
-/// Closing triangles, in voxel units; empty if the field is continuous as it is.
+/// Closing triangles in voxel units; none if the field is continuous.
 pub(super) fn closing_triangles(
     size: [usize; 3],
     distances: &[f32],

@@ -1,8 +1,8 @@
-//! The nearest triangles of a block of points, found together.
+//! Nearest-triangle search for blocks of points.
 //!
-//! Invariant: a squared distance only falls, and once every box that some point could still gain from has been opened it
-//! is that of the nearest triangle. The points of a block meet nearly the same boxes, so the tree is walked once for all
-//! of them; what is opened is then measured lane by lane, for the layers of the block that can gain.
+//! Invariant: squared distances only decrease, and are exact once every box that may hold a nearer triangle has been opened.
+//! The points of a block visit nearly the same boxes, so the tree is traversed once for all of them. Triangles are then
+//! measured lane by lane, for the layers of the block that may gain.
 
 #![expect(clippy::needless_range_loop, reason = "loops over the lanes of several arrays become vectors")]
 
@@ -10,46 +10,46 @@ use super::bvh::{Bvh, WIDTH};
 use super::face::{LANES, Lanes};
 use glam::{Vec3, Vec4};
 
-/// Points along a side of a block. A layer of them fills the lanes.
+/// Points per side of a block. A layer fills the lanes.
 pub(super) const SIDE: usize = 4;
 
-/// What is nearest to a point.
+/// The nearest surface point found for a point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Hit {
     /// Squared distance to `point`.
     pub d2: f32,
-    /// A point of the surface.
+    /// The surface point.
     pub point: Vec3,
 }
 
 impl Hit {
-    /// Nothing found yet.
+    /// Nothing found.
     pub(super) const NONE: Hit = Hit { d2: f32::INFINITY, point: Vec3::INFINITY };
 }
 
-/// A cube of points and what is nearest to each: layers of constant z, in them x fastest.
+/// A cube of points with the nearest found for each: layers of constant z, x fastest in each.
 pub(super) struct Block {
     low: Vec3,
     spacing: f32,
     x: Lanes,
     y: Lanes,
-    /// Squared distances: upper bounds before a search. A point of distance 0 is not searched for.
+    /// Squared distances, upper bounds before a search. Points of distance 0 are not searched.
     pub(super) d2: [Lanes; SIDE],
-    /// Names of what has been found since the points were taken.
+    /// Ids of the nearest found since the last [`Block::take`].
     id: [[u32; LANES]; SIDE],
 }
 
-/// A point of the surface for each point of a block.
+/// A surface point for each point of a block.
 pub(super) type Points = [[Vec3; LANES]; SIDE];
 
-/// Not the name of a triangle.
+/// The id of nothing.
 const NONE: u32 = u32::MAX;
 
-/// A box of the tree that waits: the level that it is a node of, its index there, its squared distance to the block.
-type Waiting = (u32, u32, f32);
+/// A box to be opened: level, index, squared distance to the block.
+type Pending = (u32, u32, f32);
 
 impl Block {
-    /// A block of points that know nothing, `spacing` apart.
+    /// A block of points `spacing` apart, with nothing found.
     #[inline(always)]
     pub(super) fn new(low: Vec3, spacing: f32) -> Block {
         let x = std::array::from_fn(|lane| low.x + spacing * (lane % SIDE) as f32);
@@ -57,7 +57,7 @@ impl Block {
         Block { low, spacing, x, y, d2: [[f32::INFINITY; LANES]; SIDE], id: [[NONE; LANES]; SIDE] }
     }
 
-    /// Takes over a point of the surface where it is nearer, under the name `id`.
+    /// Takes over a surface point of this id wherever it is nearer.
     #[inline(always)]
     pub(super) fn offer(&mut self, point: Vec3, id: u32) {
         for layer in 0..SIDE {
@@ -72,7 +72,7 @@ impl Block {
         }
     }
 
-    /// Finds what is nearer among the triangles of a tree.
+    /// Searches a tree for nearer triangles.
     #[inline(always)]
     pub(super) fn search(&mut self, bvh: &Bvh) {
         if bvh.triangles() == 0 {
@@ -81,8 +81,8 @@ impl Block {
         let levels = bvh.levels();
         let high = self.low + self.spacing * (SIDE - 1) as f32;
         let (low, high) = (self.low.to_array().map(Vec4::splat), high.to_array().map(Vec4::splat));
-        // At most three siblings wait on each level, and 4^16 triangles need 16 levels.
-        let mut stack: [Waiting; 3 * 16 + WIDTH] = [(0, 0, 0.0); 3 * 16 + WIDTH];
+        // At most three siblings are pending on each level, and 4^16 triangles need 16 levels.
+        let mut stack: [Pending; 3 * 16 + WIDTH] = [(0, 0, 0.0); 3 * 16 + WIDTH];
         let mut top = 1;
         stack[0] = (levels.len() as u32, 0, 0.0);
         let mut farthest = self.farthest();
@@ -115,7 +115,7 @@ impl Block {
             let first = top;
             for (lane, &bound) in bounds.iter().enumerate() {
                 if bound < farthest {
-                    // Nearest on top: insertion keeps the new entries in falling order.
+                    // Insertion sort with the nearest on top.
                     let mut at = top;
                     while at > first && stack[at - 1].2 < bound {
                         stack[at] = stack[at - 1];
@@ -128,7 +128,7 @@ impl Block {
         }
     }
 
-    /// Measures the triangles of a packet for some layers.
+    /// Measures the distances of some layers to the triangles of a packet.
     #[inline(always)]
     fn measure(&mut self, bvh: &Bvh, packet: usize, layers: [bool; SIDE]) {
         let first = packet * WIDTH;
@@ -144,7 +144,7 @@ impl Block {
         }
     }
 
-    /// The layers in which some point is nearer to a box than to all that is known.
+    /// The layers with a point nearer to a box than its nearest found.
     #[inline(always)]
     fn gains(&self, low: [f32; 3], high: [f32; 3]) -> [bool; SIDE] {
         let outside = |p: f32, axis: usize| {
@@ -168,6 +168,7 @@ impl Block {
         gains
     }
 
+    /// Largest squared distance.
     #[inline(always)]
     fn farthest(&self) -> f32 {
         let mut most = [0.0f32; LANES];
@@ -192,8 +193,7 @@ impl Block {
         self.low.z + self.spacing * layer as f32
     }
 
-    /// Puts into `points` what has been found since this was called last: `of` makes points of names and of the points
-    /// that they are nearest to.
+    /// Updates `points` where something has been found since the last call; `of` gives the surface point of an id and a query point.
     #[inline(always)]
     pub(super) fn take(&mut self, points: &mut Points, of: impl Fn(u32, Vec3) -> Vec3) {
         for layer in 0..SIDE {

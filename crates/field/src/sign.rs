@@ -1,9 +1,8 @@
-//! Which voxels are inside a mesh.
+//! Inside and outside of a mesh, by voxel.
 //!
-//! Invariant: voxel units; two neighbors whose distances add up to more than [`APART`] have no surface between them.
-//! The winding number is evaluated only where it must be: in blocks where it is not clearly a whole number (near the
-//! rim of a hole and across it), at voxels cut off from all their neighbors by the surface, and once for each region
-//! of the rest, through which the sign is flooded.
+//! Invariant: neighbors whose distances add up to more than [`APART`] voxels have no surface between them.
+//! The winding number is evaluated only in blocks where it is not clearly an integer (near and across a hole), at voxels that
+//! the surface separates from all neighbors, and once for each remaining region, which a flood fill covers.
 
 use super::distance::{BLOCK, Distances, corner_size};
 use super::winding::{POINTS, Winding, inside};
@@ -11,32 +10,32 @@ use glam::Vec3;
 use rayon::prelude::*;
 use std::collections::VecDeque;
 
-/// Distance of a winding number from a whole one above which its block is evaluated voxel by voxel. At 0.5 the sign
-/// would be wrong; smaller than 0.1 the open region of a mesh costs several times more for nothing.
+/// Distance of a winding number from an integer above which its block is evaluated voxel by voxel. Higher risks wrong signs,
+/// certain at 0.5; below 0.1 open regions cost several times more.
 const UNCLEAR: f32 = 0.25;
-/// The same for blocks without surface around them, where the number varies slowly from corner to corner.
+/// Distance from 1/2 below which a block without surface, where the number varies slowly, is evaluated voxel by voxel.
 const NEAR_HALF: f32 = 0.1;
-/// From here on two solids overlap: 1 and 2 are the winding numbers to tell apart.
+/// Winding number above which solids overlap, between 1 and 2.
 const OVERLAP: f32 = 1.5;
 
-/// 1 with room for the rounding of two distances, of a few units in the last place of a number of voxels, of which there are 1024 at
-/// most: less lets a sign through a flat face, and more evaluates a few more winding numbers.
+/// 1 voxel plus the rounding of two distances of up to 1024 voxels. Lower leaks signs through flat faces; higher evaluates a few
+/// more winding numbers.
 pub(super) const APART: f32 = 1.0 + 1.0e-3;
 
-/// A voxel that is not decided yet, and the two decisions.
+/// States of a voxel.
 const UNKNOWN: u8 = 0;
 const OUTSIDE: u8 = 1;
 const INSIDE: u8 = 2;
 
-/// The signs of a grid.
+/// Signs of a grid.
 pub(super) struct Signs {
     /// Whether each voxel is inside, x fastest.
     pub inside: Vec<bool>,
-    /// Whether some region is wound around more than once: it holds surfaces that are not its boundary.
+    /// Whether solids overlap somewhere.
     pub overlap: bool,
 }
 
-/// Signs of all voxels; `rim` samples, at most a voxel apart, the edges where the mesh is open or badly wound.
+/// Signs of all voxels; `rim` samples the edges with unbalanced winding at most a voxel apart.
 pub(super) fn signs(size: [usize; 3], distances: &Distances, winding: &Winding, rim: &[Vec3]) -> Signs {
     let d = distances.values();
     let [nx, ny, nz] = size;
@@ -92,12 +91,12 @@ pub(super) fn signs(size: [usize; 3], distances: &Distances, winding: &Winding, 
     Signs { inside: state.into_par_iter().map(|s| s == INSIDE).collect(), overlap }
 }
 
-/// Whether a corner of a block is wound around more than once. Where none is, solids may overlap all the same.
+/// Whether solids overlap at a corner of a block. They may overlap elsewhere all the same.
 pub(super) fn overlaps(size: [usize; 3], winding: &Winding) -> bool {
     at_corners(corner_size(size), winding).into_par_iter().any(|number| number.abs() > OVERLAP)
 }
 
-/// Winding numbers around the corners of all blocks.
+/// Winding numbers at the corners of all blocks.
 fn at_corners(corners: [usize; 3], winding: &Winding) -> Vec<f32> {
     let mut numbers = vec![0.0; corners.iter().product()];
     numbers.par_chunks_mut(POINTS).enumerate().for_each(|(chunk, numbers)| {
@@ -112,7 +111,7 @@ fn at_corners(corners: [usize; 3], winding: &Winding) -> Vec<f32> {
     numbers
 }
 
-/// Blocks to evaluate voxel by voxel; none for a mesh without rim, where the winding number is whole everywhere.
+/// Blocks to evaluate voxel by voxel; `None` without a rim, where winding numbers are integers.
 fn unclear_blocks(size: [usize; 3], distances: &Distances, winding: &Winding, rim: &[Vec3]) -> Option<Vec<bool>> {
     if rim.is_empty() {
         return None;
@@ -129,7 +128,7 @@ fn unclear_blocks(size: [usize; 3], distances: &Distances, winding: &Winding, ri
                 let [x, y, z] = [at[0] + (i & 1), at[1] + (i >> 1 & 1), at[2] + (i >> 2)];
                 (z * corners[1] + y) * corners[0] + x
             });
-            // A surface in the block or within a block of it would be this near to a corner.
+            // A surface in the block or in one next to it would be this near to a corner.
             let free = around.iter().all(|&c| distances.corner(c) > 2.0 * 3.0f32.sqrt() * BLOCK as f32);
             if free {
                 let first = inside(numbers[around[0]]);

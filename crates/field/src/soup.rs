@@ -1,4 +1,4 @@
-//! A mesh made ready for distances: voxel units, consistent winding, known rim.
+//! Triangle soup in voxel units, with consistent winding and its rim.
 
 use super::grid::Local;
 use super::tetra::Triangle;
@@ -6,20 +6,20 @@ use glam::Vec3;
 use rayon::prelude::*;
 use shape::Mesh;
 
-/// Triangles in voxel units and what their edges tell.
+/// Triangles in voxel units, and properties of their edges.
 pub(super) struct Soup {
-    /// Corners of each triangle, turned where its neighbors disagreed.
+    /// Corners of each triangle, flipped to agree with its neighbors.
     pub triangles: Vec<Triangle>,
-    /// Edges of a single triangle.
+    /// Edges with a single triangle.
     pub open_edges: usize,
-    /// Triangles turned around.
+    /// Flipped triangles.
     pub turned: usize,
-    /// Points, at most a voxel apart, on edges whose triangles do not cancel: rims of holes and contradictions.
+    /// Points, at most a voxel apart, on edges with unbalanced winding: rims of holes and contradictions.
     pub rim: Vec<Vec3>,
 }
 
 impl Soup {
-    /// Welds, turns and measures the triangles of `mesh`; every corner index is in range.
+    /// The soup of a mesh whose corner indices are in range.
     pub(super) fn new(mesh: &Mesh, local: &Local) -> Soup {
         let wound = mesh.oriented();
         let positions: Vec<Vec3> = wound.places.par_iter().map(|place| local.of_world(*place)).collect();

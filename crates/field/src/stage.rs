@@ -1,6 +1,6 @@
-//! A share of the progress of a long computation.
+//! Progress of a stage of a computation.
 
-use super::Progress;
+use super::request::Progress;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Reports the fraction `from + (to - from) * done / total`.
@@ -13,12 +13,11 @@ pub(super) struct Stage<'a> {
 }
 
 impl<'a> Stage<'a> {
-    /// A stage of `total` steps between two fractions.
     pub(super) fn new(progress: Progress<'a>, from: f32, to: f32, total: usize) -> Stage<'a> {
         Stage { progress, from, to, total: total.max(1), done: AtomicUsize::new(0) }
     }
 
-    /// Reports that `steps` more are done.
+    /// Reports `steps` more as done.
     pub(super) fn advance(&self, steps: usize) {
         let done = (self.done.fetch_add(steps, Ordering::Relaxed) + steps).min(self.total);
         (self.progress)(self.from + (self.to - self.from) * done as f32 / self.total as f32);

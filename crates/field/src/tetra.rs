@@ -1,16 +1,16 @@
-//! The level set of a cube of eight samples, by six tetrahedra around its long diagonal.
+//! Marching tetrahedra: the level set of a cube of eight samples, in six tetrahedra around its diagonal.
 //!
-//! Invariant: neighboring cubes share the diagonals of their faces, so that the surface of a whole grid has no cracks,
-//! and [`interpolate`] is the function whose level set [`march`] extracts, exactly.
+//! Invariant: neighboring cubes share the diagonals of their faces, so the surface has no cracks, and [`march`] extracts exactly
+//! the level set of [`interpolate`].
 //! Source: Kuhn 1960 (the decomposition); Doi & Koide 1991 (marching tetrahedra).
 
 use glam::{DVec3, Vec3};
 
-/// Corner numbers have bit 0 for x, bit 1 for y, bit 2 for z; every tetrahedron walks from corner 0 to corner 7.
+/// Corners of the tetrahedra, from corner 0 to corner 7. Bits 0, 1 and 2 of a corner's number are x, y and z.
 const TETRAHEDRA: [[usize; 4]; 6] =
     [[0, 1, 3, 7], [0, 1, 5, 7], [0, 2, 3, 7], [0, 2, 6, 7], [0, 4, 5, 7], [0, 4, 6, 7]];
 
-/// A triangle by its corners; no function of this module relies on their order.
+/// A triangle by its corners, in either winding.
 pub(super) type Triangle = [Vec3; 3];
 
 /// Position of a corner of the unit cube.
@@ -18,12 +18,10 @@ pub(super) fn corner(index: usize) -> [usize; 3] {
     [index & 1, (index >> 1) & 1, index >> 2]
 }
 
-/// An edge that a surface crosses: a corner of the cube inside, and one outside.
+/// A crossed edge: the corner inside, and the one outside.
 pub(super) type Edge = [usize; 2];
 
-/// Triangles of the surface between the corners of a cube that are inside and the others, each corner on an edge.
-///
-/// Only tetrahedra that `wanted` accepts (by their corner numbers) are marched. At most 12 triangles are emitted.
+/// Emits the triangles that separate inside from outside corners of a cube, at most 12, in the tetrahedra that `wanted` accepts.
 pub(super) fn march(
     is_inside: impl Fn(usize) -> bool,
     wanted: impl Fn(&[usize; 4]) -> bool,
@@ -56,30 +54,30 @@ pub(super) fn march(
     }
 }
 
-/// Where the zero level of these corner values crosses an edge, linear between its ends, in the unit cube.
+/// Zero crossing on an edge of the unit cube, linear between its ends.
 pub(super) fn crossing(values: &[f64; 8], [inside, outside]: Edge) -> DVec3 {
     position(inside).lerp(position(outside), values[inside] / (values[inside] - values[outside]))
 }
 
-/// The same triangle, counterclockwise seen from outside.
+/// The triangle wound counterclockwise as seen from outside.
 pub(super) fn outward([a, b, c]: [Edge; 3]) -> [Edge; 3] {
-    // Wherever an edge is crossed, the triangle turns the same way: it is enough to know it of the middles.
+    // The winding does not depend on where the edges are crossed, so their middles tell.
     let [p, q, r] = [a, b, c].map(|[inside, outside]| position(inside) + position(outside));
     let out = position(a[1]) - position(a[0]);
     if (q - p).cross(r - p).dot(out) < 0.0 { [a, c, b] } else { [a, b, c] }
 }
 
-/// Whether `accept` holds for some edge of the tetrahedron, given by two corner numbers.
+/// Whether `accept` holds for an edge of a tetrahedron, given by two corners.
 pub(super) fn any_edge(tetrahedron: &[usize; 4], accept: impl Fn(usize, usize) -> bool) -> bool {
     (0..3).any(|a| (a + 1..4).any(|b| accept(tetrahedron[a], tetrahedron[b])))
 }
 
-/// Whether some tetrahedron has an edge that `accept` holds for.
+/// Whether `accept` holds for an edge of any tetrahedron.
 pub(super) fn any_tetrahedron_edge(accept: impl Fn(usize, usize) -> bool) -> bool {
     TETRAHEDRA.iter().any(|tetrahedron| any_edge(tetrahedron, &accept))
 }
 
-/// The continuous function, linear in each tetrahedron, with the given corner values; `at` in the unit cube.
+/// Interpolates corner values linearly in each tetrahedron; `at` lies in the unit cube.
 pub(super) fn interpolate(values: &[f64; 8], at: DVec3) -> f64 {
     let mut axes = [(at.x, 1), (at.y, 2), (at.z, 4)];
     axes.sort_by(|a, b| b.0.total_cmp(&a.0));

@@ -1,13 +1,16 @@
-//! From a shape to its distance field, step by step.
+//! Distance transform of a shape.
 
 use super::bvh::Bvh;
+use super::closest::ClosestPoints;
 use super::distance::Distances;
-use super::grid::{Local, check_samples, range};
+use super::error::FieldError;
+use super::grid::{DistanceField, Grid, Local, check_samples, range};
 use super::iso_surface::Scalar;
+use super::request::{FieldReport, Progress, Request};
 use super::soup::Soup;
 use super::stage::Stage;
 use super::winding::Winding;
-use super::{ClosestPoints, DistanceField, FieldError, FieldReport, Grid, Progress, Request, overlap, seal, sign};
+use super::{overlap, seal, sign};
 use glam::Vec3;
 use rayon::prelude::*;
 use shape::{Content, MAX_COORDINATE, Mesh, Shape, Volume};
@@ -16,39 +19,34 @@ use std::ops::RangeInclusive;
 use std::time::Instant;
 use support::memory;
 
-/// Most memory one computation may take. Larger: a laptop starts to swap. Smaller: 512 samples on each side of a cube
-/// would be refused.
+/// Memory limit of a computation. Higher makes a laptop swap; lower refuses a cube of 512 samples a side.
 const MEMORY_LIMIT_BYTES: u64 = 2 << 30;
-/// Value, sign, state and the block corners' share of a voxel, with room for the queue that floods signs.
+/// Memory of a voxel: value, sign, state, its share of the block corners, and of the queue of the flood fill.
 const BYTES_PER_VOXEL: u64 = 10;
-/// Three coordinates of the closest point of a voxel.
+/// Memory of the closest point of a voxel.
 const BYTES_PER_POINT: u64 = 12;
-/// Corners, packet, boxes, moments and edges of a triangle.
+/// Memory of a triangle: corners, packet, boxes, moments and edges.
 const BYTES_PER_TRIANGLE: u64 = 320;
 
-/// Longest sides of shapes that are computed as they are, world units. The squares of lengths far outside of these leave
-/// f32: such shapes are computed larger or smaller.
-const HANDY: RangeInclusive<f32> = 1e-6..=1e6;
+/// Longest sides, in world units, of shapes that are not rescaled first. Squares of lengths far outside overflow f32.
+const UNSCALED_SIDES: RangeInclusive<f32> = 1e-6..=1e6;
 
-/// Distance field of `shape`: signed, positive outside, world units; x fastest, then y, then z.
+/// Computes the signed distance field of a shape.
 ///
-/// The grid has cubic voxels, see [`Grid::covering`]; a volume of signed distances is taken as it is, on its own grid.
-/// Where the magnitude is at most `request.band` it is the distance to the surface to f32 rounding (of positions up to
-/// `resolution` voxels from the origin: 1e-4 voxels). Elsewhere it is at most the distance and at least the distance
-/// less a quarter of a voxel, with the right sign. The result does not depend on the number of threads.
+/// The grid is [`Grid::covering`]; a volume of signed distances keeps its own grid and values. Up to a magnitude of
+/// `request.band` the field is exact to f32 rounding (1e-4 voxels). Elsewhere it is short of the distance by at most a quarter
+/// of a voxel, with the right sign. The result does not depend on the number of threads.
 ///
 /// - Solid: its formula at every sample.
-/// - Mesh: inside is where the surface winds around at least half a turn, either way; triangles that disagree with
-///   their neighbors are turned first, surfaces buried where solids overlap are dropped, and holes are closed by the
-///   level 1/2 of the winding number, so that the field is that of a closed solid.
-/// - Scalar volume: inside is where `value >= request.iso`, linear in tetrahedra between samples; the world beyond the
-///   samples is outside.
-/// - Level set: the same with inside where `value <= 0`.
+/// - Mesh: inside is where the winding number is at least 1/2 in magnitude. Triangles that disagree with their neighbors are
+///   flipped first, surfaces buried where solids overlap are dropped, and holes are closed by the level 1/2 of the winding
+///   number, so that the solid is closed.
+/// - Scalar volume: inside is where `value >= request.iso`, linear in tetrahedra between samples; outside beyond them.
+/// - Level set: inside is where `value <= 0`.
 ///
-/// With `request.shell` above 0 inside is what is nearer than half of that to the surface of any of them, closed or not.
+/// With `request.shell` above 0, inside is nearer than half of that to the surface, closed or not.
 ///
-/// Sources: Barill et al. 2018 (winding number); Doi & Koide 1991 (tetrahedra); the lower bound far from the
-/// surface is derived in `distance.rs`.
+/// Sources: Barill et al. 2018 (winding number); Doi & Koide 1991 (tetrahedra); `distance.rs` derives the lower bound.
 ///
 /// # Errors
 /// Every variant of [`FieldError`].
@@ -61,11 +59,10 @@ pub fn transform(
     Ok((field, report))
 }
 
-/// [`transform`], and for every sample the closest point of the surface that its distance is measured to.
+/// Computes the signed distance field of a shape, and the closest surface point of every sample.
 ///
-/// The points cost no more searches: where a distance is exact, its search has found the point. Elsewhere the point is
-/// one of the surface, farther by at most a quarter of a voxel than the field says. The points of a volume of signed
-/// distances, which brings no surface, are those of [`ClosestPoints::of_field`].
+/// Points come from the searches for exact distances. Elsewhere a point is on the surface, farther than the field says by at
+/// most a quarter of a voxel. Those of a volume of signed distances are [`ClosestPoints::of_field`].
 ///
 /// # Errors
 /// Every variant of [`FieldError`].
@@ -79,14 +76,14 @@ pub fn transform_with_closest(
     Ok((field, closest, report))
 }
 
-/// A field, its closest points in world space or none, and what it took.
+/// A field, its closest points in world space if requested, and statistics.
 type Computed = (DistanceField, Vec<Vec3>, FieldReport);
 
 fn compute(shape: &Shape, request: &Request, closest: bool, progress: Progress) -> Result<Computed, FieldError> {
     let bounds = shape.bounds();
     let longest = (bounds.max - bounds.min).max_element();
-    if longest > 0.0 && longest < 4.0 * MAX_COORDINATE && !HANDY.contains(&longest) {
-        // By a power of two, so that nothing is rounded.
+    if longest > 0.0 && longest < 4.0 * MAX_COORDINATE && !UNSCALED_SIDES.contains(&longest) {
+        // A power of two, for no rounding.
         let by = (-longest.log2().floor()).min(120.0).exp2();
         let [margin, band, shell] = [request.margin, request.band, request.shell].map(|length| by * length);
         let request = Request { margin, band, shell, ..*request };
@@ -112,7 +109,7 @@ fn compute(shape: &Shape, request: &Request, closest: bool, progress: Progress) 
     Ok((field, points, FieldReport { ms: start.elapsed().as_secs_f64() * 1e3, ..report }))
 }
 
-/// The field of a surface; of a mesh that becomes a shell without signs.
+/// The field of a surface, unsigned for a mesh that becomes a shell.
 fn surface(shape: &Shape, request: &Request, closest: bool, progress: Progress) -> Result<Computed, FieldError> {
     Ok(match shape {
         Shape::Volume(volume) if volume.content == Content::SignedDistance => {
@@ -121,7 +118,7 @@ fn surface(shape: &Shape, request: &Request, closest: bool, progress: Progress) 
             (field, points, FieldReport::default())
         }
         Shape::Volume(volume) if volume.content == Content::LevelSet => {
-            // Inside is where a scalar is large, and a level set small.
+            // Scalars are large inside, level sets small.
             let values = volume.values.iter().map(|value| -value).collect();
             let scalar = Volume { values, content: Content::Scalar, ..*volume };
             of_scalar(&scalar, shape, &Request { iso: 0.0, ..*request }, closest, progress)?
@@ -168,10 +165,7 @@ fn of_mesh(
     if request.shell > 0.0 {
         let mut distances = Distances::new(size, closest);
         distances.add(&[&whole], band, &Stage::new(progress, 0.05, 1.0, size[2]));
-        report.exact = distances.exact() as u64;
-        let (mut values, points) = distances.into_values();
-        values.par_iter_mut().for_each(|value| *value *= grid.spacing.x);
-        return Ok((DistanceField { grid, values }, to_world(points, &grid), report));
+        return Ok(signed(distances, grid, |_| false, report));
     }
     let winding = Winding::new(&whole);
     progress(0.05);
@@ -186,7 +180,7 @@ fn of_mesh(
         distances.add(&[surface], band, &Stage::new(progress, from, to, size[2]));
         distances
     };
-    // Most often a few points show that solids overlap, before anything is measured in vain.
+    // Most overlaps show at a few points, before distances are measured in vain.
     let mut bared = sign::overlaps(size, &winding).then(bare);
     let mut distances = measured(bared.as_ref().unwrap_or(&whole), 0.05, 0.5);
     let signs = sign::signs(size, &distances, &winding, &soup.rim);
@@ -201,13 +195,7 @@ fn of_mesh(
     if !closing.is_empty() {
         distances.add(&[surface, &Bvh::new(&closing)], band, &Stage::new(progress, 0.9, 1.0, size[2]));
     }
-    report.exact = distances.exact() as u64;
-    let (mut values, points) = distances.into_values();
-    values.par_iter_mut().zip(signs.inside).for_each(|(value, inside)| {
-        let distance = *value * grid.spacing.x;
-        *value = if inside { -distance } else { distance };
-    });
-    Ok((DistanceField { grid, values }, to_world(points, &grid), report))
+    Ok(signed(distances, grid, |i| signs.inside[i], report))
 }
 
 fn of_scalar(
@@ -220,7 +208,7 @@ fn of_scalar(
     check_samples(volume)?;
     let iso = request.iso;
     let (min, max) = range(&volume.values);
-    // A value at the iso-value is inside: without one below there is no outside among the samples.
+    // The iso-value itself is inside, so a value below is needed.
     if !(min < iso && iso <= max) {
         return Err(FieldError::NoSurface { iso, min, max });
     }
@@ -236,25 +224,27 @@ fn of_scalar(
     progress(0.2);
     let mut distances = Distances::new(size, closest);
     distances.add(&[&surface], request.band / grid.spacing.x, &Stage::new(progress, 0.2, 0.9, size[2]));
-    let exact = distances.exact() as u64;
-    let (mut values, points) = distances.into_values();
     let stage = Stage::new(progress, 0.9, 1.0, size[2]);
-    values.par_chunks_mut(size[0] * size[1]).enumerate().for_each(|(z, slice)| {
-        for (i, value) in slice.iter_mut().enumerate() {
-            let inside = scalar.level(local.world([i % size[0], i / size[0], z])) >= 0.0;
-            let distance = *value * grid.spacing.x;
-            *value = if inside { -distance } else { distance };
+    let is_inside = |i: usize| {
+        let voxel = [i % size[0], i / size[0] % size[1], i / (size[0] * size[1])];
+        if voxel[0] == 0 && voxel[1] == 0 {
+            stage.advance(1);
         }
-        stage.advance(1);
-    });
-    let report = FieldReport { triangles: count, exact, ..FieldReport::default() };
-    Ok((DistanceField { grid, values }, to_world(points, &grid), report))
+        scalar.level(local.world(voxel)) >= 0.0
+    };
+    Ok(signed(distances, grid, is_inside, FieldReport { triangles: count, ..FieldReport::default() }))
 }
 
-/// Positions in voxels as positions in the world.
-fn to_world(mut points: Vec<Vec3>, grid: &Grid) -> Vec<Vec3> {
+/// Gives distances their signs, and converts distances and closest points from voxels to world units.
+fn signed(distances: Distances, grid: Grid, is_inside: impl Fn(usize) -> bool + Sync, report: FieldReport) -> Computed {
+    let report = FieldReport { exact: distances.exact() as u64, ..report };
+    let (mut values, mut points) = distances.into_values();
+    values.par_iter_mut().enumerate().for_each(|(i, value)| {
+        let distance = *value * grid.spacing.x;
+        *value = if is_inside(i) { -distance } else { distance };
+    });
     points.par_iter_mut().for_each(|point| *point = grid.origin + *point * grid.spacing);
-    points
+    (DistanceField { grid, values }, points, report)
 }
 
 /// The grid, if the computation fits in memory.

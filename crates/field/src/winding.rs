@@ -1,9 +1,9 @@
-//! How often a surface winds around a point.
+//! Generalized winding numbers.
 //!
-//! Invariant: all lengths are in voxel units. The winding number of a closed, outward surface is 1 inside and 0
-//! outside; of an open one it varies smoothly between, and its level 1/2 closes the holes as a soap film would.
-//! Source: Jacobson et al. 2013 (the generalized winding number); Barill et al. 2018 (the tree: an expansion to first
-//! order about the area-weighted center of each node, here with their second term); van Oosterom & Strackee 1983.
+//! Invariant: lengths are in voxels. The winding number of a closed, outward surface is 1 inside and 0 outside; that of an open
+//! one varies smoothly, and its level 1/2 closes holes like a soap film.
+//! Sources: Jacobson et al. 2013; Barill et al. 2018 (tree with an expansion about the area-weighted center of each node, here
+//! to their second term); van Oosterom & Strackee 1983 (solid angle).
 
 use super::bvh::{Bvh, WIDTH};
 use super::tetra::Triangle;
@@ -11,11 +11,11 @@ use glam::{Mat3, Vec3};
 use rayon::prelude::*;
 use std::f32::consts::PI;
 
-/// A node is expanded when it is farther than this many radii. 2 is Barill's choice: errors of the sum stay below
-/// about 0.01. Smaller: the level 1/2 in a hole becomes rough. Larger: 3 costs twice the time.
+/// Distance in radii beyond which a node is approximated. 2 is Barill's choice, with errors of about 0.01. Lower roughens the
+/// level 1/2 in holes; 3 takes twice the time.
 const FAR: f32 = 2.0;
 
-/// Sums over the triangles of a node.
+/// Multipole moments of the triangles of a node.
 #[derive(Clone, Copy, Default)]
 struct Moment {
     area: f32,
@@ -29,23 +29,22 @@ struct Moment {
     max: Vec3,
 }
 
-/// Points that are looked at together, near each other. Fewer: vectors of 8 lanes stay half empty. More: they lie so far
-/// apart that nodes are opened for a few of them.
+/// Points evaluated together. Lower leaves vectors of 8 lanes half empty; higher opens nodes for a few of them.
 pub(super) const POINTS: usize = 8;
-/// A value for each point.
+/// A value per point.
 type Lanes = [f32; POINTS];
 
 /// Evaluates the winding number of the triangles of a [`Bvh`].
 pub(super) struct Winding<'a> {
     bvh: &'a Bvh,
-    /// One per packet, then one per group of four of the level before.
+    /// One moment per packet, then one per four of the level below.
     levels: Vec<Vec<Moment>>,
-    /// The widest vectors that this processor has.
+    /// Vector instructions of this processor.
     arch: pulp::Arch,
 }
 
 impl<'a> Winding<'a> {
-    /// Gathers the moments of every node.
+    /// Computes the moments of every node.
     pub(super) fn new(bvh: &'a Bvh) -> Winding<'a> {
         let mut levels =
             vec![(0..bvh.packets()).into_par_iter().map(|i| Moment::of_packet(bvh, i)).collect::<Vec<_>>()];
@@ -56,35 +55,34 @@ impl<'a> Winding<'a> {
         Winding { bvh, levels, arch: pulp::Arch::new() }
     }
 
-    /// Winding number around `q`: error about 0.01, and 0.03 in the middle of a ball, from where the errors of all nodes have
-    /// one sign; on a triangle it is one of the values of its two sides.
+    /// Winding number around `q`. The error is about 0.01, up to 0.03 in the middle of a ball, where the errors of all nodes have
+    /// one sign. On a triangle it is that of either side.
     pub(super) fn at(&self, q: Vec3) -> f32 {
         self.around(&[q; POINTS])[0]
     }
 
-    /// The same around several points, at little more than the price of one where they are near each other: a node that is
-    /// near one of them is opened for all.
+    /// Winding numbers around several points. Close points cost little more than one: a node near any is opened for all.
     pub(super) fn around(&self, points: &[Vec3; POINTS]) -> [f32; POINTS] {
         self.around_counted(points).0
     }
 
-    /// The same, and how many nodes and triangles were looked at.
+    /// Winding numbers around several points, and the number of nodes and triangles visited.
     pub(super) fn around_counted(&self, points: &[Vec3; POINTS]) -> ([f32; POINTS], u64) {
         self.arch.dispatch(Around { winding: self, points: [0, 1, 2].map(|axis| points.map(|point| point[axis])) })
     }
 }
 
-/// The winding numbers around some points.
+/// Evaluation at some points.
 struct Around<'a> {
     winding: &'a Winding<'a>,
-    /// Their coordinates, axis by axis.
+    /// Coordinates by axis.
     points: [Lanes; 3],
 }
 
 impl pulp::NullaryFnOnce for Around<'_> {
     type Output = (Lanes, u64);
 
-    #[inline(always)] // as all that is called here: into code for the vectors of this processor
+    #[inline(always)] // with all its callees, to be compiled for the vectors of this processor
     fn call(self) -> (Lanes, u64) {
         let Around { winding: Winding { bvh, levels, .. }, points } = self;
         let (mut sum, mut visits) = ([0.0; POINTS], 0);
@@ -120,13 +118,13 @@ impl pulp::NullaryFnOnce for Around<'_> {
     }
 }
 
-/// A point is inside where the surface winds around it at least half a turn, whichever way the surface is wound.
+/// Whether a winding number means inside, for a surface wound either way.
 pub(super) fn inside(winding: f32) -> bool {
     winding.abs() >= 0.5
 }
 
 impl Moment {
-    /// Where it is from each point, and how many of them it is too near to be a sum.
+    /// Offset and squared distance from each point, and the number of points too near for the expansion.
     #[inline(always)]
     fn seen_from(&self, points: &[Lanes; 3]) -> ([Lanes; 4], u32) {
         let (mut to, mut near) = ([[0.0; POINTS]; 4], 0);
@@ -140,7 +138,7 @@ impl Moment {
         (to, near)
     }
 
-    /// Adds its solid angle, by where it is from each point and the squares of how far.
+    /// Adds the solid angle by its expansion, from offsets and squared distances.
     #[inline(always)]
     fn add(&self, to: &[Lanes; 4], sum: &mut Lanes) {
         let [a, b, c] = [self.tensor.x_axis, self.tensor.y_axis, self.tensor.z_axis];
@@ -227,8 +225,8 @@ fn add_solid_angles([corner, b, c]: &Triangle, points: &[Lanes; 3], sum: &mut La
     }
 }
 
-/// The angle of a point to the first axis, off by at most 2.5e-6, in instructions that vectors have; 0 of the origin.
-/// Source: Hastings 1955, the polynomial of degree 11 of the arctangent, off by 1.7e-6.
+/// Vectorizable `atan2` with an error of at most 2.5e-6; 0 at the origin.
+/// Source: Hastings 1955, polynomial of degree 11 for the arctangent, error 1.7e-6.
 #[inline(always)]
 fn atan2(y: f32, x: f32) -> f32 {
     const C: [f32; 6] = [0.999_977_26, -0.332_623_47, 0.193_543_46, -0.116_432_87, 0.052_653_32, -0.011_721_2];

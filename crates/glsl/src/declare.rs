@@ -1,86 +1,84 @@
-//! The declarations in the comments of a module.
+//! Declarations in the comments of a module.
 //!
 //! A module declares its parameters where it uses them:
 //! ```glsl
 //! // @param hair_length = 0.16 in [0.005, 0.6]: Length of the hair, object units.
 //! // @color tip_color = #d9a05f: Color of the hair at its tip.
-//! // @outer hair_length      the soft region ends at this signed distance
-//! // @move drip_length       a lookup moves at most so far, and matter grows as far; see `reach`
-//! // @grow 0                 matter grows less than that
-//! // @drift flow_speed      how many cells the noise moves in a second; see `drift`
+//! // @outer hair_length      signed distance at which the soft region ends
+//! // @move drip_length       bound of the motion of lookups, and of the growth of matter; see `reach`
+//! // @grow 0                 bound of the growth of matter, if it is less
+//! // @drift flow_speed      noise cells per second; see `drift`
 //! // @bound 1                the largest value of this noise
 //! // @needs normal           the module reads the normal of a sample
-//! // @exact procedural noise_block   what the module holds samples of: a module of its slot, and the lattice's repetition
+//! // @exact procedural noise_block   the module of the slot that this one samples, and the repetition of its lattice
 //! // @loops 1                loop iterations of one noise, or of one octave of turbulence
-//! // @places 6               the density is asked for at so many more places
-//! // @octaves 4              turbulence has no more octaves: a number, or what its `turbulence_block` holds
-//! // @period memory          the lattice repeats as the module has it, and a scene says `own`
-//! // @outside empty          a classification draws nothing beyond the soft region
-//! // @segments soft_segment  the classification that integrates segments in place of this one
-//! // @looks back             a classification asks for matter between a sample and the one before
+//! // @places 6               additional evaluations of the density
+//! // @octaves 4              most octaves of turbulence: a number, or those of `turbulence_block`
+//! // @period memory          repetition of the lattice, where the scene does not choose it
+//! // @outside empty          content drawn beyond the soft region by a classification
+//! // @segments soft_segment  the variant of this classification that integrates segments
+//! // @looks back             the classification looks for matter between consecutive samples
 //! ```
-//! The same lines feed the uniform block, the checks of a scene file and the documentation. What a module leaves out has
-//! the value that is safe: most loops, all octaves, matter everywhere.
+//! They feed the uniform block, the checks of scene files and the documentation. Defaults are conservative: most loops, all
+//! octaves, matter everywhere.
 
 use super::drift::Drift;
 use super::error::LibraryError;
 use super::names::identifier;
 use super::reach::Reach;
 
-/// What a module declares.
+/// Declarations of a module or of a program.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Declarations {
     /// Parameters, in the order of the file.
     pub parameters: Vec<Parameter>,
-    /// Parameters that set the outer iso-value of the soft region, one for each layer of it.
+    /// Parameters for the outer iso-value of the soft region, one for each layer.
     pub outer: Vec<String>,
-    /// How far each of the modules moves lookups, and how far matter grows by that.
+    /// Reach of each module.
     pub reach: Vec<Reach>,
-    /// How fast the modules move their noise.
+    /// Drifts of the noise.
     pub drifts: Vec<Drift>,
-    /// The largest value of the noise, where it is not [`super::reach::NOISE_BOUND`].
+    /// Bound of the noise, if not [`super::reach::NOISE_BOUND`].
     pub noise_bound: Option<f32>,
     /// Whether the normal of a sample is read.
     pub needs_normal: bool,
-    /// The module of the same slot that computes what this one holds samples of; this and what follows are of one module,
-    /// not of a program.
+    /// The module of the same slot that this one samples. This and the following fields are for single modules only.
     pub exact: Option<Exact>,
-    /// Loop iterations of one noise, 1 where it has no loop; or of one octave of turbulence, 0 where no sum is computed.
+    /// Loop iterations of one noise (1 without a loop) or of one octave of turbulence (0 without a sum).
     pub loops: Option<u32>,
-    /// At how many more places the module asks for the density.
+    /// Additional evaluations of the density.
     pub places: u32,
     /// The most octaves of turbulence.
     pub octaves: Octaves,
-    /// How the lattice repeats where the scene has no say in it: `memory`, or one of the values of
-    /// `effect.turbulence_repeat`.
+    /// Repetition of the lattice, if not chosen by the scene: `memory`, or a value of `effect.turbulence_repeat`.
     pub period: Option<String>,
-    /// What a classification draws beyond the soft region.
+    /// Content drawn beyond the soft region by a classification.
     pub outside: Outside,
-    /// The module that classifies segments in place of this one; itself, where it does.
+    /// The variant of a classification that integrates segments; the module itself if it does.
     pub segments: Option<String>,
-    /// Whether a classification asks for matter between a sample and the one before, a step nearer to the eye.
+    /// Whether a classification looks for matter between a sample and the previous one, a step nearer to the eye.
     pub looks_back: bool,
 }
 
-/// How many octaves a module of turbulence has at most.
+/// Limit of the octaves of a turbulence module.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Octaves {
-    /// As many as are asked for.
+    /// No limit.
     #[default]
     All,
-    /// As many as its block holds.
+    /// The octaves of its block.
     TurbulenceBlock,
-    /// A number of them.
+    /// A number.
     Most(u32),
 }
 
-/// What a classification draws beyond the soft region.
+/// Content that a classification draws beyond the soft region.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Outside {
     /// Anything.
     #[default]
     Matter,
-    /// What the transfer map has at the density 0.
+    /// The transfer map at density 0.
     Transfer,
     /// Nothing.
     Empty,
@@ -89,10 +87,9 @@ pub enum Outside {
 /// The module that a module approximates.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Exact {
-    /// Its name; it fills the same slot.
+    /// Name of the module, in the same slot.
     pub module: String,
-    /// After how many cells its lattice has to repeat: a value of `effect.turbulence_repeat`; none where it does not
-    /// matter.
+    /// Required repetition of its lattice: a value of `effect.turbulence_repeat`; `None` if it does not matter.
     pub repeat: Option<String>,
 }
 
@@ -101,7 +98,7 @@ pub struct Exact {
 pub struct Parameter {
     /// Name in GLSL, in scene files and on the command line.
     pub name: String,
-    /// Value where the scene gives none, with the allowed range of a number.
+    /// Type, default and range.
     pub kind: ParameterKind,
     /// One sentence with the unit.
     pub doc: String,
@@ -110,13 +107,13 @@ pub struct Parameter {
 /// Type, default and range of a [`Parameter`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ParameterKind {
-    /// A finite number and the closed range it must lie in.
+    /// A finite default and the closed range of values.
     Number(f32, [f32; 2]),
     /// A color: sRGB, 8 bits each.
     Color([u8; 3]),
 }
 
-/// How each declaration is written.
+/// Syntax of each declaration, for errors.
 const FORMS: [(&str, &str); 16] = [
     ("param", "`// @param name = 0.5 in [0, 1]: What it does.`"),
     ("color", "`// @color name = #ff8000: What it is.`"),
@@ -138,7 +135,7 @@ const FORMS: [(&str, &str); 16] = [
     ("segments", "`// @segments module`"),
     ("looks", "`// @looks back`"),
 ];
-/// How a lattice may repeat: values of `effect.turbulence_repeat`.
+/// Values of `effect.turbulence_repeat`.
 const PERIODS: [&str; 4] = ["never", "noise_block", "turbulence_block", "channel_block"];
 
 impl Declarations {
@@ -150,7 +147,7 @@ impl Declarations {
     }
 }
 
-/// The kind of the declaration in a line, and what is behind it: `param` of `// @param`, which needs no blanks.
+/// The kind of a line's declaration, such as `param` of `// @param`, and the text after it. Blanks are optional.
 pub fn declaration(line: &str) -> Option<(&str, &str)> {
     let text = line.trim_start().strip_prefix("//")?.trim_start().strip_prefix('@')?;
     Some(text.split_once(char::is_whitespace).unwrap_or((text, "")))
@@ -205,7 +202,7 @@ pub(super) fn parse(path: &str, text: &str) -> Result<Declarations, LibraryError
     Ok(found)
 }
 
-/// How a declaration is written, or which there are.
+/// Syntax of a kind of declaration, or the list of kinds.
 fn allowed(kind: &str) -> String {
     let form = FORMS.iter().find(|(known, _)| *known == kind).map(|(_, form)| form.to_string());
     let known = || FORMS.map(|(known, _)| format!("@{known}")).join(", ");
@@ -297,7 +294,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_module_costs_and_allows_is_read_from_its_header() {
+    fn costs_and_limits_are_parsed() {
         let text = "// @loops 5\n// @places 6\n// @octaves 4\n// @period noise_block\n// @outside empty\n// @segments fine\n\
              // @looks back";
         let header = |text: &str| Library::new([("a/b.glsl".to_string(), text.to_string())]).header("a", "b").unwrap();

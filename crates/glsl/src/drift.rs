@@ -1,27 +1,27 @@
-//! How a module moves its noise as time passes: `// @drift`.
+//! Motion of a module's noise over time: `// @drift`.
 //!
 //! ```glsl
-//! // @drift rise * 0.45 * flame_scale     the parameter that is a speed, times what makes it cells of noise per second
+//! // @drift rise * 0.45 * flame_scale     a speed parameter, times factors to noise cells per second
 //! ```
-//! The product of speed and time grows without end, and f32 tells places apart the worse the farther away they are. So a
-//! speed is given another value, which leads to the same place of a lattice that repeats after [`WHOLE`] cells.
+//! Speed times time grows without bound, and far coordinates lose precision in f32. So the speed is replaced by one that leads
+//! to the same place of a lattice that repeats after [`PERIOD`] cells.
 
-/// Cells after which a drift begins anew: noise of blocks and tables repeats by then, and other noise is at another place of
-/// its endless lattice. More: f32 tells places apart less well. Less: that happens sooner.
-pub const WHOLE: f64 = 4096.0;
+/// Period of a drift in cells. Block and table noise repeats within it; other noise jumps to another place of its endless
+/// lattice. Higher loses precision in f32; lower jumps sooner.
+pub const PERIOD: f64 = 4096.0;
 
-/// A speed of a module.
+/// A drift declared by a module.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drift {
-    /// The parameter.
+    /// The speed parameter.
     pub speed: String,
-    /// The other factors: parameters by their names, and the product of all numbers.
+    /// Further factors: parameters, and the product of all numbers.
     names: Vec<String>,
     number: f64,
 }
 
 impl Drift {
-    /// Reads what follows `@drift`; `None` where that cannot be read.
+    /// Parses the text after `@drift`.
     pub(super) fn parse(text: &str) -> Option<Drift> {
         let mut factors = text.split('*').map(str::trim);
         let speed = super::names::identifier(factors.next()?)?;
@@ -36,19 +36,18 @@ impl Drift {
         Some(drift)
     }
 
-    /// The names of its parameters.
+    /// Names of all parameters.
     pub(super) fn parameters(&mut self) -> impl Iterator<Item = &mut String> {
         std::iter::once(&mut self.speed).chain(&mut self.names)
     }
 
-    /// The speed that leads to the same place of the lattice at a time, which the program has in f32; `None` where the own
-    /// one does so well enough.
-    pub fn held(&self, time: f64, value: impl Fn(&str) -> f32) -> Option<f32> {
+    /// The replacement of the speed at a time that the program has in f32; `None` while the original is precise enough.
+    pub fn wrapped(&self, time: f64, value: impl Fn(&str) -> f32) -> Option<f32> {
         let factors = self.names.iter().map(|name| f64::from(value(name))).product::<f64>();
         let speed = f64::from(value(&self.speed));
         let cells = speed * factors * self.number * time;
-        let is_far = cells.abs() > WHOLE && cells.is_finite();
-        is_far.then(|| (speed * ((cells % WHOLE) / cells) * (time / f64::from(time as f32))) as f32)
+        let is_far = cells.abs() > PERIOD && cells.is_finite();
+        is_far.then(|| (speed * ((cells % PERIOD) / cells) * (time / f64::from(time as f32))) as f32)
     }
 }
 
@@ -61,13 +60,13 @@ mod tests {
         let drift = Drift::parse("rise * 0.45 * scale").unwrap();
         let value = |name: &str| if name == "rise" { 0.6 } else { 3.0 };
         let rate = f64::from(0.6f32) * 0.45 * 3.0;
-        assert_eq!(drift.held(5000.0, value), None, "4050 cells");
+        assert_eq!(drift.wrapped(5000.0, value), None, "4050 cells");
         for time in [6000.0, 1e6 + 0.04, 1e9 + 0.5, -7e7] {
-            let held = f64::from(drift.held(time, value).unwrap()) * f64::from(time as f32) * 0.45 * 3.0;
-            let exact = (rate * time) % WHOLE;
-            assert!((held - exact).abs() < WHOLE * 1.3e-7, "{time}: {held} for {exact}");
+            let wrapped = f64::from(drift.wrapped(time, value).unwrap()) * f64::from(time as f32) * 0.45 * 3.0;
+            let exact = (rate * time) % PERIOD;
+            assert!((wrapped - exact).abs() < PERIOD * 1.3e-7, "{time}: {wrapped} for {exact}");
         }
-        assert_eq!(drift.held(1e300, |_| f32::MAX), None, "no place at all");
+        assert_eq!(drift.wrapped(1e300, |_| f32::MAX), None, "no place at all");
     }
 
     #[test]

@@ -1,19 +1,19 @@
-//! What can be wrong with modules, their declarations and the programs of them.
+//! Errors of modules, declarations and programs.
 
-use super::combine::FormulaError;
+use super::formula::FormulaError;
 
-/// Why a library does not give what is asked of it.
+/// Errors of a library.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LibraryError {
-    /// There is no such module.
+    /// The module does not exist.
     #[error("no module `{name}` in slot `{slot}`; choose one of: {known}")]
     Unknown {
         /// The slot.
         slot: String,
         /// The name asked for.
         name: String,
-        /// What there is.
+        /// The existing modules.
         known: String,
     },
     /// A declaration cannot be read.
@@ -25,17 +25,17 @@ pub enum LibraryError {
         line: usize,
         /// The comment.
         text: String,
-        /// How it is written.
+        /// The expected form.
         allowed: String,
     },
-    /// A DMF reads more or less than its header says.
-    #[error("{path} says that it is {claimed}, and reads what makes it {found}")]
+    /// The kind of a DMF contradicts its header.
+    #[error("{path} claims to be {claimed}, but reads fields that make it {found}")]
     Kind {
         /// The module.
         path: String,
         /// The kind that its header names.
         claimed: String,
-        /// The kind that it is.
+        /// The actual kind.
         found: String,
     },
     /// Two modules of one program declare the same parameter differently.
@@ -44,7 +44,7 @@ pub enum LibraryError {
         /// The parameter.
         name: String,
     },
-    /// There is no such slot.
+    /// The slot does not exist.
     #[error("{path}: #include <{slot}>: there is no such slot; docs/modules.md lists them")]
     Slot {
         /// The module.
@@ -52,15 +52,15 @@ pub enum LibraryError {
         /// The name.
         slot: String,
     },
-    /// A module includes what does not ship; the compiler says its name behind this.
+    /// An include that is neither a slot nor a shipped file. The compiler appends its name.
     #[error(
         "a module can include slots, such as <noise>, and files that ship; put functions of your own into the module: there is \
          nothing"
     )]
     Include,
-    /// A `@move`, `@grow` or `@drift` speaks of what is no parameter.
+    /// A `@move`, `@grow` or `@drift` names something that is not a parameter.
     #[error(
-        "{path}: `{name}` in a `// @move`, `// @grow` or `// @drift` is no parameter of the program; declare it with `// @param`"
+        "{path}: `{name}` in a `// @move`, `// @grow` or `// @drift` is not a parameter of the program; declare it with `// @param`"
     )]
     Unmeasured {
         /// The module.
@@ -77,21 +77,21 @@ pub enum LinkError {
     /// A module is missing or its declarations are wrong.
     #[error(transparent)]
     Library(#[from] LibraryError),
-    /// The formula of the objects cannot be read.
+    /// A syntax error in the formula of the objects.
     #[error(transparent)]
     Formula(#[from] FormulaError),
-    /// glslang refuses the text; the message names module and line.
+    /// An error of glslang, with module and line.
     #[error("{0}")]
     Compile(String),
     /// glslang ran out of memory.
-    #[error("the GLSL compiler has not the memory that this text takes; look at `ulimit -v`")]
+    #[error("the GLSL compiler ran out of memory on this text; look at `ulimit -v`")]
     Memory,
-    /// The GLSL compiler cannot be started.
+    /// The GLSL compiler cannot be initialized.
     #[error("the GLSL compiler (shaderc) could not be initialized: {0}")]
     Compiler(String),
-    /// There is none.
+    /// Built without a GLSL compiler.
     #[error(
-        "no program that ships serves this scene, and there is no GLSL compiler here; build hypertexture with its feature `glsl`"
+        "no shipped program fits this scene, and this build has no GLSL compiler; build hypertexture with its feature `glsl`"
     )]
     NoCompiler,
 }

@@ -1,28 +1,28 @@
-//! The GLSL compiler of this process: glslang, through shaderc.
+//! The GLSL compiler: glslang through shaderc.
 
 use super::error::LinkError;
 use super::stage::Stage;
 use std::sync::OnceLock;
 
-/// Never ended: glslang's start, the tables of all that GLSL has built in, costs 50 to 90 ms, as much as a small program.
+/// Kept alive, since glslang takes 50 to 90 ms to set up its tables of built-ins.
 static COMPILER: OnceLock<shaderc::Compiler> = OnceLock::new();
 
-/// A text to be compiled.
+/// Source text of a shader.
 pub(super) struct Text<'a> {
-    /// What errors call it.
+    /// Name in errors.
     pub(super) name: &'a str,
     pub(super) text: &'a str,
     pub(super) stage: Stage,
     pub(super) is_optimized: bool,
 }
 
-/// A file that a text includes, by its name and whether that is a slot: path and text.
+/// Resolves an include, by name and whether it is a slot, to path and text.
 type Include<'a> = dyn Fn(&str, bool) -> Result<(String, String), String> + 'a;
 
-/// Starts the compiler, unless it is.
+/// Starts the compiler if needed.
 ///
 /// # Errors
-/// [`LinkError::Compiler`] when shaderc cannot be initialized.
+/// [`LinkError::Compiler`] if shaderc cannot be initialized.
 pub(super) fn started() -> Result<&'static shaderc::Compiler, LinkError> {
     match COMPILER.get() {
         Some(compiler) => Ok(compiler),
@@ -33,10 +33,10 @@ pub(super) fn started() -> Result<&'static shaderc::Compiler, LinkError> {
     }
 }
 
-/// The SPIR-V 1.3 of a text, with names.
+/// Compiles a text to SPIR-V 1.3 with names.
 ///
 /// # Errors
-/// What glslang says.
+/// Errors of glslang.
 pub(super) fn compiled(text: &Text<'_>, include: &Include<'_>) -> Result<Vec<u32>, LinkError> {
     let compiler = |error: shaderc::Error| LinkError::Compiler(error.to_string());
     let mut options = shaderc::CompileOptions::new().map_err(compiler)?;
@@ -58,7 +58,7 @@ pub(super) fn compiled(text: &Text<'_>, include: &Include<'_>) -> Result<Vec<u32
     match started()?.compile_into_spirv(text.text, kind, text.name, "main", Some(&options)) {
         Ok(artifact) => Ok(artifact.as_binary().to_vec()),
         Err(shaderc::Error::CompilationError(_, message)) => Err(LinkError::Compile(message.trim_end().to_string())),
-        // What shaderc says of an exception in glslang, for which no memory is left to say more.
+        // shaderc's message for an exception in glslang, which has run out of memory.
         Err(error) if error.to_string() == "internal error" => Err(LinkError::Memory),
         Err(error) => Err(LinkError::Compile(error.to_string())),
     }

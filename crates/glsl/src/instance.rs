@@ -1,24 +1,25 @@
-//! The copies of modules that an additional object of a scene gets for itself.
+//! Instances of modules for the additional objects of a scene.
 //!
-//! Two objects of one scene may fill one slot with different modules, or the same one with different parameters. So whatever
-//! depends on the object is compiled once for each, under names that end in the object's; everything else is shared.
+//! Objects may fill a slot with different modules, or with different parameters. So all code that depends on the object is
+//! compiled once per object, with names that end in the object's; the rest is shared.
 
 use super::declare::declaration;
 use super::error::LibraryError;
 use super::file::{Include, include};
-use super::library::{Library, PART, Slots, objects, own_names};
+use super::library::{Library, own_names};
 use super::names::{has_state, rename, uses};
+use super::slots::{PART, Slots, objects};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Functions that the linker writes for stacks.
-const STACKED: [&str; 5] = ["displace", "modulate", "layer", "medium", "extinction"];
-/// Bindings that each object has: those of one begin this many after those of the one before.
+/// Functions generated for stacks.
+const STACK_FUNCTIONS: [&str; 5] = ["displace", "modulate", "layer", "medium", "extinction"];
+/// Bindings per object.
 const BINDINGS: u32 = 8;
 
-/// What is compiled anew for one object.
+/// The code compiled for one object.
 pub(super) struct Instance {
     name: String,
-    /// The first additional object is 1.
+    /// Number of the object, from 1.
     index: u32,
     files: BTreeSet<String>,
     names: BTreeSet<String>,
@@ -38,7 +39,7 @@ impl Instance {
             name: name.into(),
             index,
             files: BTreeSet::new(),
-            names: STACKED.map(String::from).into(),
+            names: STACK_FUNCTIONS.map(String::from).into(),
             slots: slots.keys().filter_map(|key| key.strip_prefix(&prefix)).map(String::from).collect(),
         };
         own.take(library, PART);
@@ -59,7 +60,7 @@ impl Instance {
                     own.take(library, file);
                 }
             }
-            // A slot of the scene whose module depends on the object is the object's as well.
+            // Slots of the scene whose modules depend on the object become the object's.
             for (slot, modules) in slots.iter().filter(|(slot, _)| !slot.contains('.')) {
                 let files = library.files(slot, modules).unwrap_or_default();
                 if files.iter().any(|file| own.files.contains(file) && reached.contains(file)) {
@@ -77,12 +78,12 @@ impl Instance {
         self.files.insert(file.to_string());
     }
 
-    /// What is appended to the names of the object.
+    /// Suffix of the object's names.
     pub(super) fn suffix(&self) -> String {
         format!("_{}", self.name)
     }
 
-    /// The text of a file or of a generated stack, for this object.
+    /// Text of a file or generated stack for this object.
     pub(super) fn text(&self, path: &str, text: &str) -> String {
         let renamed = rename(text, &self.names, &self.suffix());
         let mut inside_block = false;
@@ -100,7 +101,7 @@ impl Instance {
         lines.map(|line| line + "\n").collect()
     }
 
-    /// A line of `part.glsl` with the binding of this object.
+    /// A line of `part.glsl` with this object's binding.
     fn shifted(&self, line: &str) -> String {
         const BEFORE: &str = "binding = ";
         let Some(at) = line.find(BEFORE).map(|at| at + BEFORE.len()) else { return line.into() };

@@ -1,4 +1,4 @@
-//! The kind of a density modulation function, by what it reads of a sample.
+//! Kinds of density modulation functions.
 //!
 //! Source: PH 2: position-dependent f(x), position-independent f(k), geometry-dependent (it knows the gradient).
 
@@ -9,14 +9,14 @@ use super::names::fields;
 use std::collections::BTreeSet;
 use std::fmt;
 
-/// What a DMF knows beside the density.
+/// Kind of a DMF, by the parts of a sample that it reads besides the density.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
-    /// Nothing: f(k).
+    /// Density only: f(k).
     PositionIndependent,
-    /// Where it is: f(x).
+    /// Position: f(x).
     PositionDependent,
-    /// Where the surface is: distance, gradient or the foot of a point.
+    /// Distance, gradient or closest point.
     GeometryDependent,
 }
 
@@ -35,10 +35,10 @@ impl fmt::Display for Kind {
 }
 
 impl Library {
-    /// A sentence about the kinds of the DMFs of some stacks; empty where there are none.
+    /// A sentence about the kinds of the DMFs in stacks; empty without DMFs.
     ///
     /// # Errors
-    /// As [`Library::kind`].
+    /// See [`Library::kind`].
     pub fn kinds<'a>(&self, stacks: impl IntoIterator<Item = &'a Vec<String>>) -> Result<String, LibraryError> {
         let modules = stacks.into_iter().flatten().map(|name| name.split('@').next().unwrap_or(name));
         let modules: BTreeSet<&str> = modules.collect();
@@ -47,10 +47,10 @@ impl Library {
         Ok(if all.is_empty() { String::new() } else { format!("DMFs: {}.", all.join(", ")) })
     }
 
-    /// The kind of a DMF, from the members of `Sample` that it reads, itself or in the files that it includes.
+    /// The kind of a DMF, from the fields of `Sample` read by it or its includes.
     ///
     /// # Errors
-    /// The module does not exist, or its header calls it another kind.
+    /// The module does not exist, or its header claims another kind.
     pub fn kind(&self, dmf: &str) -> Result<Kind, LibraryError> {
         let path = self.path("dmf", dmf)?;
         let (mut queue, mut seen, mut found) = (vec![path.clone()], BTreeSet::new(), Kind::PositionIndependent);
@@ -108,7 +108,7 @@ mod tests {
         let error = with(&format!("// Mine: position-independent, f(k).\n{body}")).unwrap_err().to_string();
         assert_eq!(
             error,
-            "dmf/mine.glsl says that it is position-independent, and reads what makes it position-dependent"
+            "dmf/mine.glsl claims to be position-independent, but reads fields that make it position-dependent"
         );
     }
 }

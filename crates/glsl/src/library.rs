@@ -1,4 +1,4 @@
-//! The modules by path.
+//! The shader library: modules by path, and the part of it that a program reaches.
 
 use super::declare::{Declarations, parse};
 use super::drift::Drift;
@@ -6,6 +6,9 @@ use super::error::LibraryError;
 use super::file::{File, Include, include};
 use super::names::{definitions, members, rename};
 use super::reach::Reach;
+use super::slots::{
+    FOLDED, FORMULA, MASK, MEDIUM, MEDIUM_FUNCTIONS, OBJECT_ENTRY, OBJECTS, PARAMETERS, PART, Slots, objects, qualified,
+};
 use std::borrow::Cow;
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
@@ -13,31 +16,26 @@ use std::path::Path;
 use std::sync::Arc;
 use std::{fs, io};
 
-/// Which modules fill each slot: one name, or for a stack (`warp`, `dmf`) any number in order of application, and for
-/// `medium` one for each layer of the DMFs; a DMF may be `module@mask`. The slot of an additional object is `object.slot`,
-/// [`COMBINE`] holds the formula of the objects, and [`ZERO`] the parameters that are 0.
-pub type Slots = BTreeMap<String, Vec<String>>;
-
-/// GLSL sources by path relative to the `glsl` folder, such as `dmf/fur.glsl`. Clones share them.
+/// GLSL sources by path relative to the `glsl` folder, such as `dmf/fur.glsl`. Clones share the sources.
 #[derive(Clone, Debug)]
 pub struct Library {
     sources: Arc<BTreeMap<String, File>>,
     compiler: Compiler,
 }
 
-/// What compiles texts that do not ship.
+/// Where user text is compiled.
 #[derive(Clone, Debug, Default)]
 pub enum Compiler {
-    /// This process, without limits.
+    /// In this process, unrestricted.
     #[default]
     Here,
-    /// This process, which has limits; what a person's program may not hold is refused.
+    /// In this process, which has limits; restrictions on user text apply.
     HereWithLimits,
-    /// This executable of hypertexture, in a process of its own with limits.
+    /// In a child process with limits, by this hypertexture executable.
     Apart(Arc<Path>),
 }
 
-/// By their texts.
+/// Compares sources only.
 impl PartialEq for Library {
     fn eq(&self, other: &Library) -> bool {
         self.sources().eq(other.sources())
@@ -47,16 +45,16 @@ impl PartialEq for Library {
 impl Eq for Library {}
 
 impl Library {
-    /// A library of (path, text) pairs.
+    /// Builds a library from (path, text) pairs.
     pub fn new(sources: impl IntoIterator<Item = (String, String)>) -> Library {
         let files = sources.into_iter().map(|(path, text)| (path, File::new(text)));
         Library { sources: Arc::new(files.collect()), compiler: Compiler::Here }
     }
 
-    /// The library of a folder: every file that has an extension, by its path from there.
+    /// Reads every file of a folder that has an extension.
     ///
     /// # Errors
-    /// A file or a folder cannot be read, or is not text.
+    /// I/O errors, or a file that is not UTF-8.
     pub fn read(folder: &Path) -> io::Result<Library> {
         fn collect(root: &Path, folder: &Path, files: &mut Vec<(String, String)>) -> io::Result<()> {
             for entry in fs::read_dir(folder)? {
@@ -75,54 +73,54 @@ impl Library {
         Ok(Library::new(files))
     }
 
-    /// The same library with one more module, or with that module replaced.
+    /// Adds or replaces a module.
     pub fn with_module(self, slot: &str, name: &str, text: &str) -> Library {
         self.with_file(&format!("{slot}/{name}.glsl"), text)
     }
 
-    /// The same library with one more file, or with that file replaced.
+    /// Adds or replaces a file.
     pub fn with_file(mut self, path: &str, text: &str) -> Library {
         Arc::make_mut(&mut self.sources).insert(path.into(), File::new(text.into()));
         self
     }
 
-    /// A library of other (path, text) pairs, compiled as this one is.
+    /// A library of other sources with the compiler of this one.
     pub(super) fn with_sources(&self, sources: impl IntoIterator<Item = (String, String)>) -> Library {
         Library { compiler: self.compiler.clone(), ..Library::new(sources) }
     }
 
-    /// The same library, whose texts that do not ship are compiled in a process of their own, with limits: that executable of
-    /// hypertexture. A text can crash a compiler, or keep it busy until memory ends.
+    /// Compiles user text in child processes with limits that run the hypertexture executable `program`. Text can crash a compiler,
+    /// or keep it busy until memory ends.
     pub fn compiled_by(self, program: &Path) -> Library {
         Library { compiler: Compiler::Apart(program.into()), ..self }
     }
 
-    /// The same library, whose texts are compiled in this process.
+    /// Compiles user text in this process.
     pub fn compiled_here(self) -> Library {
         Library { compiler: Compiler::Here, ..self }
     }
 
-    /// The same library in a process that has limits.
+    /// Compiles user text in this process, which has limits.
     pub fn compiled_with_limits(self) -> Library {
         Library { compiler: Compiler::HereWithLimits, ..self }
     }
 
-    /// What compiles its texts that do not ship.
+    /// Where user text is compiled.
     pub fn compiler(&self) -> &Compiler {
         &self.compiler
     }
 
-    /// Every file: path relative to the `glsl` folder, and text.
+    /// Path and text of every file.
     pub fn sources(&self) -> impl Iterator<Item = (&str, &str)> {
         self.sources.iter().map(|(path, file)| (path.as_str(), file.text.as_str()))
     }
 
-    /// Text of a file, by its path relative to the `glsl` folder.
+    /// Text of a file.
     pub fn source(&self, path: &str) -> Option<&str> {
         self.sources.get(path).map(|file| file.text.as_str())
     }
 
-    /// What the header of one module declares.
+    /// Declarations of a module.
     ///
     /// # Errors
     /// The module does not exist or has a declaration that cannot be read.
@@ -151,9 +149,8 @@ impl Library {
         Err(LibraryError::Unknown { slot: slot.into(), name: name.into(), known })
     }
 
-    /// The text of a file. `path#2` is the second copy of a module: all that it defines and declares ends in `_2`.
-    /// `path#name` is a medium of several: the functions of its slot end in its name. A medium that does not say how
-    /// opaque it is has an extinction of 1.
+    /// Text of a file or copy. In `path#2`, the second copy of a module, all definitions and declarations end in `_2`. In
+    /// `path#name`, a medium of several, the functions of the slot end in its name. A medium without extinction gets 1.
     pub fn text(&self, path: &str) -> Cow<'_, str> {
         let (file, tag) = path.split_once('#').unwrap_or((path, ""));
         let mut text = Cow::from(self.source(file).unwrap_or_default());
@@ -169,8 +166,7 @@ impl Library {
         rename(&text, &names, &format!("_{tag}")).into()
     }
 
-    /// The files that fill a slot, in order: a mask comes before the DMF that it belongs to, and the second use of a
-    /// module in a stack is `path#2`.
+    /// The files that fill a slot, in order. A mask precedes its DMF; the second use of a module in a stack is `path#2`.
     ///
     /// # Errors
     /// [`LibraryError::Unknown`].
@@ -192,44 +188,36 @@ impl Library {
         Ok(files)
     }
 
-    /// The slots that `entries` really reach when filled from `choice`, directly or through the modules chosen:
-    /// the rest of `choice` is left out.
+    /// The part of `choice` that `entries` reach, directly or through the chosen modules.
     ///
     /// # Errors
-    /// [`LibraryError::Unknown`] when a reached slot has no choice or the module does not exist.
+    /// [`LibraryError::Unknown`] if a reached slot has no choice or the module does not exist.
     pub fn needed(&self, entries: &[&str], choice: &Slots) -> Result<Slots, LibraryError> {
         let mut needed = Slots::new();
         let several = Cell::new(false);
-        let mut take = |object: &str, slot: &str| {
-            several.set(several.get() || slot == OBJECTS);
-            let own = choice.get_key_value(&format!("{object}.{slot}"));
-            needed.extend(own.or(choice.get_key_value(slot)).map(|(key, names)| (key.clone(), names.clone())));
+        let mut take = |object: &str, entries: &[&str]| {
+            self.visit(object, entries, choice, &mut |reached| {
+                let Include::Slot(slot) = reached else { return Ok(()) };
+                several.set(several.get() || slot == OBJECTS);
+                let own = choice.get_key_value(&format!("{object}.{slot}")).or(choice.get_key_value(slot));
+                needed.extend(own.map(|(key, names)| (key.clone(), names.clone())));
+                Ok(())
+            })
         };
-        self.visit("", entries, choice, &mut |_, slot| {
-            slot.into_iter().for_each(|slot| take("", slot));
-            Ok(())
-        })?;
+        take("", entries)?;
         if several.get() {
-            for object in objects(choice) {
-                self.visit(object, &[OBJECT_ENTRY], choice, &mut |_, slot| {
-                    slot.into_iter().for_each(|slot| take(object, slot));
-                    Ok(())
-                })?;
-            }
-            needed.extend(choice.get_key_value(COMBINE).map(|(key, formula)| (key.clone(), formula.clone())));
+            objects(choice).into_iter().try_for_each(|object| take(object, &[OBJECT_ENTRY]))?;
+            needed.extend(choice.get_key_value(FORMULA).map(|(key, formula)| (key.clone(), formula.clone())));
         }
-        let mut zero = choice.get(ZERO).cloned().unwrap_or_default();
-        if !zero.is_empty() {
+        if let Some(names) = choice.get(FOLDED).filter(|names| !names.is_empty()) {
             let known = self.constants(entries, &needed)?;
-            zero.retain(|name| known.contains(name));
-        }
-        if !zero.is_empty() {
-            needed.insert(ZERO.into(), zero);
+            let names: Vec<String> = names.iter().filter(|name| known.contains(*name)).cloned().collect();
+            needed.extend((!names.is_empty()).then(|| (FOLDED.into(), names)));
         }
         Ok(needed)
     }
 
-    /// Everything of a program that [`ZERO`] may name.
+    /// All names of a program that [`FOLDED`] may contain.
     fn constants(&self, entries: &[&str], slots: &Slots) -> Result<BTreeSet<String>, LibraryError> {
         let part = self.text(PART);
         let mut names = BTreeSet::new();
@@ -238,12 +226,12 @@ impl Library {
             let parameters = declared?.parameters;
             let own =
                 parameters.iter().map(|own| own.name.as_str()).chain(members(&part).into_iter().map(|(_, name)| name));
-            names.extend(own.map(|name| prefixed(object, name)));
+            names.extend(own.map(|name| qualified(object, name)));
         }
         Ok(names)
     }
 
-    /// Every file that is reached from `entries`, but for those of additional objects.
+    /// All files reached from `entries`, without those of additional objects.
     ///
     /// # Errors
     /// [`LibraryError::Unknown`].
@@ -251,7 +239,7 @@ impl Library {
         self.files_of("", entries, choice)
     }
 
-    /// Everything that the files reached from `entries` declare; without what additional objects declare.
+    /// All declarations of the files reached from `entries`, without those of additional objects.
     ///
     /// # Errors
     /// A declaration that cannot be read, two that disagree, or a module that does not exist.
@@ -259,18 +247,18 @@ impl Library {
         self.declared("", entries, choice)
     }
 
-    /// Everything that the modules of an additional object declare, under the names that they have in their files.
+    /// All declarations of an additional object's modules, under their names in the files.
     ///
     /// # Errors
-    /// As [`Library::declarations`].
+    /// See [`Library::declarations`].
     pub fn object_declarations(&self, object: &str, choice: &Slots) -> Result<Declarations, LibraryError> {
         self.declared(object, &[OBJECT_ENTRY], choice)
     }
 
     fn declared(&self, object: &str, entries: &[&str], choice: &Slots) -> Result<Declarations, LibraryError> {
         let (mut all, mut measured) = (Declarations::default(), Vec::new());
-        self.visit(object, entries, choice, &mut |path, _| {
-            let Some(path) = path else { return Ok(()) };
+        self.visit(object, entries, choice, &mut |reached| {
+            let Include::File(path) = reached else { return Ok(()) };
             let (file, copy) = path.split_once('#').unwrap_or((path, ""));
             let Some(found) = self.sources.get(file) else { return Ok(()) };
             let mut one = found.declared(file)?;
@@ -301,7 +289,7 @@ impl Library {
         }
     }
 
-    /// Every file that an additional object reaches.
+    /// All files that an additional object reaches.
     ///
     /// # Errors
     /// [`LibraryError::Unknown`].
@@ -311,15 +299,16 @@ impl Library {
 
     fn files_of(&self, object: &str, entries: &[&str], choice: &Slots) -> Result<Vec<String>, LibraryError> {
         let mut files = Vec::new();
-        self.visit(object, entries, choice, &mut |path, _| {
-            files.extend(path.map(String::from));
+        self.visit(object, entries, choice, &mut |reached| {
+            if let Include::File(path) = reached {
+                files.push(path.into());
+            }
             Ok(())
         })?;
         Ok(files)
     }
 
-    /// Calls `on` once for each file and for each slot reached from `entries`; the slots of `object` go before those of
-    /// the scene.
+    /// Calls `on` once for each file and each slot reached from `entries`. Slots of `object` take precedence over the scene's.
     fn visit(&self, object: &str, entries: &[&str], choice: &Slots, on: &mut Visitor<'_>) -> Result<(), LibraryError> {
         let mut queue: Vec<String> = entries.iter().rev().map(|entry| entry.to_string()).collect();
         let mut seen = BTreeSet::new();
@@ -327,14 +316,14 @@ impl Library {
             if !seen.insert(path.clone()) {
                 continue;
             }
-            on(Some(&path), None)?;
+            on(Include::File(&path))?;
             let file = self.sources.get(path.split('#').next().unwrap_or_default());
             for line in file.map_or(&[][..], File::includes) {
                 match include(line) {
                     Some(Include::File(file)) => queue.push(file.to_string()),
                     Some(Include::Slot(PARAMETERS)) | None => {}
                     Some(Include::Slot(OBJECTS)) => {
-                        on(None, Some(OBJECTS))?;
+                        on(Include::Slot(OBJECTS))?;
                         queue.push(OBJECT_ENTRY.into());
                     }
                     Some(Include::Slot(slot)) => {
@@ -343,11 +332,11 @@ impl Library {
                             if self.modules(slot).is_empty() {
                                 return Err(LibraryError::Slot { path, slot: slot.into() });
                             }
-                            self.path(slot, "")?; // no module has an empty name: this lists what there is
+                            self.path(slot, "")?; // no module has an empty name, so this error lists the modules
                             continue;
                         };
                         if seen.insert(format!("<{slot}>")) {
-                            on(None, Some(slot))?;
+                            on(Include::Slot(slot))?;
                         }
                         queue.extend(self.files(slot, names)?);
                     }
@@ -358,49 +347,19 @@ impl Library {
     }
 }
 
-/// The additional objects of a scene, by name.
-pub fn objects(choice: &Slots) -> BTreeSet<&str> {
-    choice.keys().filter_map(|key| key.split_once('.')).map(|(object, _)| object).collect()
-}
-
-/// A name in [`ZERO`].
-pub fn prefixed(object: &str, name: &str) -> String {
-    if object.is_empty() { name.into() } else { format!("{object}.{name}") }
-}
-
-/// What a file defines and declares.
+/// All definitions and declarations of a file.
 pub fn own_names(path: &str, text: &str) -> BTreeSet<String> {
     let declared = parse(path, text).unwrap_or_default().parameters.into_iter().map(|parameter| parameter.name);
     definitions(text).into_iter().chain(declared).collect()
 }
 
-/// Whether what follows the `#` of a path is the number of a copy.
+/// Whether the tag of a path is the number of a copy.
 fn is_copy(tag: &str) -> bool {
     tag.starts_with(|c: char| c.is_ascii_digit())
 }
 
-/// Called with the path of a file or with the name of a slot.
-type Visitor<'a> = dyn FnMut(Option<&str>, Option<&str>) -> Result<(), LibraryError> + 'a;
-
-/// The slot that the linker fills with the uniform block of all parameters.
-pub const PARAMETERS: &str = "parameters";
-/// The slot that the linker fills with all objects of a scene and the classification of what they make together.
-pub const OBJECTS: &str = "objects";
-/// The key in [`Slots`] of the formula by which the objects make one.
-pub const COMBINE: &str = "combine";
-/// The key in [`Slots`] of what is 0: parameters and members of `part.glsl`'s block, those of an additional object as
-/// `object.name`. They are constants of the program, which does without the terms that they take away.
-pub const ZERO: &str = "zero";
-/// The file of what each object has for itself.
-pub const PART: &str = "part.glsl";
-/// The slot of the masks: where a DMF acts.
-pub const MASK: &str = "mask";
-/// The slot that colors soft matter.
-pub const MEDIUM: &str = "medium";
-/// What a module of that slot defines: its color and, where it is not 1, how opaque it is against the scene's rate.
-pub const MEDIUM_FUNCTIONS: [&str; 2] = [MEDIUM, "extinction"];
-/// The file that each object of several is entered by.
-pub const OBJECT_ENTRY: &str = "one_of_several.glsl";
+/// Callback for reached files and slots.
+type Visitor<'a> = dyn FnMut(Include<'_>) -> Result<(), LibraryError> + 'a;
 
 #[cfg(test)]
 mod tests {
@@ -415,7 +374,7 @@ mod tests {
     }
 
     #[test]
-    fn slots_that_nothing_reaches_are_left_out() {
+    fn unreached_slots_are_left_out() {
         let library = library(&[
             ("a.frag", "#include <dmf>"),
             ("dmf/fur.glsl", "#include <noise>"),

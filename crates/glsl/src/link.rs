@@ -1,27 +1,27 @@
-//! Linking: an entry file and the modules chosen for its slots become one SPIR-V module.
+//! Linking of an entry file and the modules of its slots to one SPIR-V module.
 //!
-//! `#include "file"` takes a file of the library, once; `#include <slot>` takes the modules chosen for that slot and,
-//! for a stack, a function that applies them in order; `#include <parameters>` takes the uniform block of every parameter that
-//! the program declares. Errors name the module and the line, since glslang sees each module under its own name.
+//! `#include "file"` includes a file of the library once. `#include <slot>` includes the modules of that slot and, for a stack,
+//! a function that applies them in order. `#include <parameters>` includes the uniform block of all declared parameters.
+//! Errors name module and line, since glslang sees each module under its own name.
 //!
-//! SPIR-V for Vulkan cannot import functions, so this is what "program objects linked to swap functions" (MJ 3)
-//! becomes: the same text, a different file in one slot.
+//! SPIR-V for Vulkan cannot import functions, so "program objects linked to swap functions" (MJ 3) become different files in
+//! one slot.
 
-use super::combine::Formula;
 use super::declare::{Parameter, ParameterKind};
 use super::error::{LibraryError, LinkError};
+use super::formula::Formula;
 use super::glslang::{self, Text};
 use super::instance::{Instance, instances};
 use super::layers::{layered, media};
-use super::library::{COMBINE, Library, MEDIUM, OBJECT_ENTRY, OBJECTS, PARAMETERS, PART, Slots, ZERO, prefixed};
+use super::library::Library;
 use super::names::members;
-use super::rounding::as_written;
+use super::rounding::with_exact_rounding;
+use super::slots::{FOLDED, FORMULA, MAIN, MEDIUM, OBJECT_ENTRY, OBJECTS, PARAMETERS, PART, Slots, qualified};
 use super::stage::Stage;
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt::Write;
 
-/// Slots that hold a stack: the signature of the function that applies it, and how one module is called.
+/// Stack slots: name, signature of the function that applies the stack, call of a module, and end of the function.
 const STACKS: [(&str, &str, &str, &str); 2] = [
     ("warp", "void displace(inout vec3 x, inout mat3 jacobian)", "    MODULE(x, jacobian);\n", ""),
     (
@@ -32,31 +32,31 @@ const STACKS: [(&str, &str, &str, &str); 2] = [
     ),
 ];
 
-/// Links programs with the compiler of this process.
+/// A linker with the compiler of this process.
 pub struct Linker {
     is_optimizing: bool,
 }
 
 impl Linker {
-    /// Starts the compiler, unless it is.
+    /// Starts the compiler if needed.
     ///
     /// # Errors
-    /// [`LinkError::Compiler`] when shaderc cannot be initialized, [`LinkError::NoCompiler`] without the feature `glsl`.
+    /// [`LinkError::Compiler`] if shaderc cannot be initialized, [`LinkError::NoCompiler`] without the feature `glsl`.
     pub fn new() -> Result<Linker, LinkError> {
         glslang::started()?;
         Ok(Linker { is_optimizing: true })
     }
 
-    /// The same, which leaves programs as they are written: what never ends has no effect, and would be left out.
+    /// Disables the optimizer, which removes endless loops without effect.
     pub fn unoptimized(self) -> Linker {
         Linker { is_optimizing: false }
     }
 
-    /// Links `entry` (a file of `library`) with the modules in `slots` to SPIR-V 1.3 with names.
-    /// `parameters_of` lists every entry of the pipeline, so that all its stages share one parameter block.
+    /// Links the entry file `entry` with the modules in `slots` to SPIR-V 1.3 with names.
+    /// `parameters_of` lists all entries of the pipeline, whose stages share one parameter block.
     ///
     /// # Errors
-    /// A missing module, a bad declaration, or what glslang says.
+    /// A missing module, a bad declaration, or an error of glslang.
     pub fn link(
         &self,
         library: &Library,
@@ -82,11 +82,11 @@ impl Linker {
             Ok((path, if first { text } else { String::new() }))
         };
         let text = Text { name: entry, text, stage, is_optimized: self.is_optimizing };
-        Ok(as_written(&glslang::compiled(&text, &include)?))
+        Ok(with_exact_rounding(&glslang::compiled(&text, &include)?))
     }
 }
 
-/// What the includes of one program are resolved from.
+/// Resolves the includes of a program.
 struct Sources<'a> {
     library: &'a Library,
     slots: &'a Slots,
@@ -99,13 +99,13 @@ impl<'a> Sources<'a> {
     fn new(library: &'a Library, slots: &'a Slots, parameters_of: &[&str]) -> Result<Sources<'a>, LinkError> {
         let instances = instances(library, slots)?;
         let parameters = parameter_block(library, parameters_of, slots, &instances)?;
-        let objects = slots.get(COMBINE).and_then(|formula| formula.first());
+        let objects = slots.get(FORMULA).and_then(|formula| formula.first());
         let formula = objects.map(|text| Formula::parse(text)).transpose()?;
         let objects = formula.as_ref().map(objects_text).unwrap_or_default();
         Ok(Sources { library, slots, instances, parameters, objects })
     }
 
-    /// The name under which errors speak of an include, and its text. `object:name` is what an additional object gets.
+    /// Name in errors and text of an include. `object:name` is the copy of an additional object.
     fn resolve(&self, name: &str, is_slot: bool) -> Result<(String, String), LibraryError> {
         let (object, name) = name.split_once(':').unwrap_or(("", name));
         let (path, text) = match is_slot {
@@ -118,7 +118,7 @@ impl<'a> Sources<'a> {
             }
             false => match self.library.source(name.split('#').next().unwrap_or_default()) {
                 Some(text) if name == PART && object.is_empty() => {
-                    (name.to_string(), with_constants(text, zero(self.slots)))
+                    (name.to_string(), with_constants(text, folded(self.slots)))
                 }
                 Some(_) => (name.to_string(), self.library.text(name).into_owned()),
                 None => return Err(LibraryError::Include),
@@ -131,29 +131,29 @@ impl<'a> Sources<'a> {
     }
 }
 
-/// The names of the constants that are 0.
-fn zero(slots: &Slots) -> &[String] {
-    slots.get(ZERO).map(Vec::as_slice).unwrap_or_default()
+/// The names folded to 0.
+fn folded(slots: &Slots) -> &[String] {
+    slots.get(FOLDED).map(Vec::as_slice).unwrap_or_default()
 }
 
-/// A constant in place of a member of a block.
-fn constant(kind: &str, name: &str) -> String {
+/// Definition of a constant 0.
+fn zero_constant(kind: &str, name: &str) -> String {
     format!("const {kind} {name} = {kind}(0.0);\n")
 }
 
-/// The text of `part.glsl` with constants in place of those members of its block that are 0.
+/// The text of `part.glsl` with constants in place of its block members folded to 0.
 fn with_constants(text: &str, zero: &[String]) -> String {
     let mut text = text.to_string();
     let of_zero = |(_, name): &(&str, &str)| zero.iter().any(|zero| zero == name);
     let found: Vec<[String; 2]> =
         members(&text).into_iter().filter(of_zero).map(|(kind, name)| [kind, name].map(String::from)).collect();
     for [kind, name] in found {
-        text = text.replacen(&format!("{kind} {name};"), "", 1) + &constant(&kind, &name);
+        text = text.replacen(&format!("{kind} {name};"), "", 1) + &zero_constant(&kind, &name);
     }
     text
 }
 
-/// Name and text of what fills a slot.
+/// Name and text of the content of a slot.
 fn fill(library: &Library, slot: &str, names: &[String]) -> Result<(String, String), LibraryError> {
     if slot == MEDIUM && names.len() > 1 {
         return media(library, names);
@@ -166,10 +166,10 @@ fn fill(library: &Library, slot: &str, names: &[String]) -> Result<(String, Stri
     let mut glue = String::new();
     let files = library.files(slot, names)?;
     for file in &files {
-        writeln!(glue, "#include \"{file}\"").expect("writing to a string");
+        glue += &format!("#include \"{file}\"\n");
     }
     let mut files = files.into_iter();
-    let mut layers: Vec<(String, String)> = vec![(String::new(), String::new())]; // width and calls
+    let mut layers: Vec<(String, String)> = vec![Default::default()]; // width and calls
     for name in names {
         let mask = name.contains('@').then(|| files.next()).flatten();
         let file = files.next().unwrap_or_default();
@@ -180,35 +180,35 @@ fn fill(library: &Library, slot: &str, names: &[String]) -> Result<(String, Stri
             (None, _) => {}
         }
         let (_, calls) = layers.last_mut().expect("it starts with one");
-        // Where a mask lets nothing grow there is nothing but the hard region; any other DMF leaves what it is given. Where it
-        // lets all grow, not a rounding more: it may be left out.
+        // A mask of 0 leaves the density unchanged, except that a DMF with a width of its own leaves the hard region only. A mask
+        // of 1 has no effect, not even a rounding.
         let bare = if width.is_some() { "s.density >= 1.0 ? density : 0.0" } else { "density" };
         match mask.as_deref().map(self::function) {
             None => calls.push_str(&call.replace("MODULE", &function)),
-            Some(mask) => writeln!(
-                calls,
-                "    {{ float grown = {function}(density, s), cover = {mask}(s);\n      \
-                 density = cover >= 1.0 ? grown : mix({bare}, grown, cover); }}"
-            )
-            .expect("writing to a string"),
+            Some(mask) => {
+                *calls += &format!(
+                    "    {{ float grown = {function}(density, s), cover = {mask}(s);\n      \
+                 density = cover >= 1.0 ? grown : mix({bare}, grown, cover); }}\n"
+                )
+            }
         }
     }
     match layers.as_slice() {
-        [(_, calls)] => writeln!(glue, "{signature} {{\n{calls}{end}}}").expect("writing to a string"),
+        [(_, calls)] => glue += &format!("{signature} {{\n{calls}{end}}}\n"),
         layers => layered(&mut glue, signature, layers),
     }
     Ok((format!("stack of {slot}"), glue))
 }
 
-/// The function of a file: `fur_2` of `dmf/fur.glsl#2`.
+/// Function name of a file: `fur_2` for `dmf/fur.glsl#2`.
 fn function(file: &str) -> String {
     let (path, copy) = file.split_once('#').map_or((file, String::new()), |(path, copy)| (path, format!("_{copy}")));
     format!("{}{copy}", path.trim_end_matches(".glsl").rsplit('/').next().unwrap_or_default())
 }
 
-/// All objects of a scene, and the classification of what the formula makes of them.
+/// The classification of several objects combined by a formula.
 ///
-/// An object colors matter in proportion to its own density; one that only takes matter away colors none.
+/// An object colors matter in proportion to its density. One that only removes matter does not color.
 fn objects_text(formula: &Formula) -> String {
     let [mut includes, mut declared, mut samples, mut bare, mut shades] = [const { String::new() }; 5];
     for (name, adds) in formula.objects() {
@@ -217,32 +217,26 @@ fn objects_text(formula: &Formula) -> String {
             _ => (format!("{name}:"), format!("_{name}")),
         };
         if !prefix.is_empty() {
-            writeln!(includes, "#include \"{prefix}part.glsl\"").expect("writing to a string");
+            includes += &format!("#include \"{prefix}part.glsl\"\n");
         }
-        writeln!(includes, "#include \"{prefix}{OBJECT_ENTRY}\"").expect("writing to a string");
-        writeln!(declared, "    Sample sample_{name};\n    float density_{name};").expect("writing to a string");
-        writeln!(
-            samples,
+        includes += &format!("#include \"{prefix}{OBJECT_ENTRY}\"\n");
+        declared += &format!("    Sample sample_{name};\n    float density_{name};\n");
+        samples += &format!(
             "        sample_{name} = one_sample{suffix}(place);\n        \
              density_{name} = one_density{suffix}(sample_{name});\n        \
-             Soft soft_{name} = one_soft{suffix}(sample_{name}, density_{name});"
-        )
-        .expect("writing to a string");
-        writeln!(
-            bare,
+             Soft soft_{name} = one_soft{suffix}(sample_{name}, density_{name});\n"
+        );
+        bare += &format!(
             "            Sample sample_{name} = one_sample{suffix}(between);\n            \
-             Soft soft_{name} = one_soft{suffix}(sample_{name}, sample_{name}.density);"
-        )
-        .expect("writing to a string");
+             Soft soft_{name} = one_soft{suffix}(sample_{name}, sample_{name}.density);\n"
+        );
         if adds {
-            writeln!(
-                shades,
+            shades += &format!(
                 "    if (density_{name} > 0.0) {{\n        \
                  shade += density_{name} * vec4(one_shade{suffix}(sample_{name}, density_{name}, normal), 1.0);\n        \
                  rate += density_{name} * opacity_rate{suffix} *\n            \
-                 (density_{name} >= 1.0 ? 1.0 : extinction{suffix}(sample_{name}, density_{name}));\n    }}"
-            )
-            .expect("writing to a string");
+                 (density_{name} >= 1.0 ? 1.0 : extinction{suffix}(sample_{name}, density_{name}));\n    }}\n"
+            );
         }
     }
     let combined = formula.glsl();
@@ -280,11 +274,8 @@ vec4 classify(vec3 x, float path) {{
     )
 }
 
-/// The name in formulas of the object that the scene itself describes.
-pub const MAIN: &str = "main";
-
-/// The uniform block of every parameter of a program, and of the constants of its additional objects; empty where it has
-/// none. What is 0 is a constant.
+/// The uniform block of the parameters of a program and of the block members of its additional objects, with constants for those
+/// folded to 0.
 fn parameter_block(
     library: &Library,
     entries: &[&str],
@@ -297,8 +288,8 @@ fn parameter_block(
     };
     let (mut members, mut constants) = (Vec::new(), String::new());
     let mut add =
-        |kind: &str, object: &str, name: &str, suffix: &str| match zero(slots).contains(&prefixed(object, name)) {
-            true => constants.push_str(&constant(kind, &format!("{name}{suffix}"))),
+        |kind: &str, object: &str, name: &str, suffix: &str| match folded(slots).contains(&qualified(object, name)) {
+            true => constants.push_str(&zero_constant(kind, &format!("{name}{suffix}"))),
             false => members.push(format!("{kind} {name}{suffix}")),
         };
     for own in &library.declarations(entries, slots)?.parameters {

@@ -1,11 +1,11 @@
-//! The names in GLSL text: which a file defines, and the same text with some of them changed.
+//! Names in GLSL text: definitions, and renaming.
 //!
-//! GLSL has no namespaces. A module that is used twice, by two objects or twice in one stack, is compiled twice, with a
-//! suffix at everything that it defines. Lines stay where they are, so that errors still name the right one.
+//! GLSL has no namespaces. A module used twice, by two objects or in one stack, is compiled twice with a suffix at all its
+//! definitions. Line numbers do not change, so errors stay correct.
 
 use std::collections::BTreeSet;
 
-/// Comments, words, numbers, whole `#include` lines, white space and single characters, in order and without loss.
+/// Lossless tokens: comments, words, numbers, whole `#include` lines, white space and single characters.
 pub fn tokens(text: &str) -> impl Iterator<Item = &str> {
     let mut rest = text;
     std::iter::from_fn(move || {
@@ -32,7 +32,7 @@ fn is_name(token: &str) -> bool {
     token.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
 }
 
-/// Words of GLSL that are no names, as far as they are in lower case.
+/// Lower-case reserved words of GLSL.
 const RESERVED: &str = " active asm attribute bool break buffer bvec2 bvec3 bvec4 case cast centroid class coherent common \
                         const continue default discard dmat2 dmat3 dmat4 do double dvec2 dvec3 dvec4 else enum extern \
                         external false filter fixed flat float for fvec2 fvec3 fvec4 goto half highp hvec2 hvec3 hvec4 if \
@@ -42,17 +42,17 @@ const RESERVED: &str = " active asm attribute bool break buffer bvec2 bvec3 bvec
                         superp switch template this true typedef uint uniform union unsigned using uvec2 uvec3 uvec4 \
                         varying vec2 vec3 vec4 void volatile while writeonly ";
 
-/// Whether a word is one of GLSL's own, such as `float` or `if`.
+/// Whether a word is reserved in GLSL.
 pub fn is_reserved(word: &str) -> bool {
     RESERVED.contains(&format!(" {word} "))
 }
 
-/// The words that are GLSL's own.
+/// The reserved words of GLSL.
 pub fn reserved() -> impl Iterator<Item = &'static str> {
     RESERVED.split_whitespace()
 }
 
-/// A name as declarations write it: lower case, and free to be one in GLSL.
+/// Parses a name of a declaration: lower case and not reserved.
 pub(super) fn identifier(text: &str) -> Option<String> {
     let name = text.trim();
     let valid = name.starts_with(|c: char| c.is_ascii_lowercase())
@@ -60,14 +60,14 @@ pub(super) fn identifier(text: &str) -> Option<String> {
     (valid && !is_reserved(name)).then(|| name.to_string())
 }
 
-/// Tokens that mean something: neither white space nor comments.
+/// Tokens without white space and comments.
 pub(super) fn words(text: &str) -> Vec<&str> {
-    let idle =
+    let is_blank =
         |token: &str| token.starts_with(char::is_whitespace) || token.starts_with("//") || token.starts_with("/*");
-    tokens(text).filter(|token| !idle(token)).collect()
+    tokens(text).filter(|token| !is_blank(token)).collect()
 }
 
-/// The members of the uniform blocks of a file: type and name.
+/// Types and names of the members of a file's uniform blocks.
 pub fn members(text: &str) -> Vec<(&str, &str)> {
     let words = words(text);
     let mut found = Vec::new();
@@ -83,7 +83,7 @@ pub fn members(text: &str) -> Vec<(&str, &str)> {
     found
 }
 
-/// The fields that a file reads or writes of its variables of a type.
+/// Fields accessed in variables of a type.
 pub fn fields<'a>(text: &'a str, of_type: &str) -> BTreeSet<&'a str> {
     let words = words(text);
     let variables: BTreeSet<&str> = words.windows(2).filter(|pair| pair[0] == of_type).map(|pair| pair[1]).collect();
@@ -91,8 +91,7 @@ pub fn fields<'a>(text: &'a str, of_type: &str) -> BTreeSet<&'a str> {
     read.map(|three| three[2]).collect()
 }
 
-/// Everything that a file defines for the whole program: functions, constants, variables, structures, macros, resources
-/// and members of uniform blocks.
+/// Global definitions of a file: functions, constants, variables, structures, macros, resources and members of uniform blocks.
 pub fn definitions(text: &str) -> BTreeSet<String> {
     let words = words(text);
     let mut found: BTreeSet<String> = members(text).into_iter().map(|(_, name)| name.to_string()).collect();
@@ -119,7 +118,7 @@ pub fn definitions(text: &str) -> BTreeSet<String> {
     found
 }
 
-/// Whether a file defines a variable that changes: one that two objects must not share.
+/// Whether a file defines a mutable global variable, which objects must not share.
 pub fn has_state(text: &str) -> bool {
     let plain: String = text.lines().filter(|line| !line.starts_with('#')).flat_map(|line| [line, "\n"]).collect();
     let (mut braces, mut statement) = (0, Vec::new());
@@ -132,7 +131,7 @@ pub fn has_state(text: &str) -> bool {
             }
             ";" if braces == 0 => {
                 let fixed = ["const", "layout", "uniform", "in", "out"].contains(statement.first().unwrap_or(&";"));
-                // `type name` or `type name = value`, and no prototype of a function.
+                // `type name` or `type name = value`, but not a prototype.
                 if !fixed && statement.len() >= 2 && is_name(statement[1]) && statement.get(2) != Some(&"(") {
                     return true;
                 }
@@ -145,12 +144,12 @@ pub fn has_state(text: &str) -> bool {
     false
 }
 
-/// Whether a file uses one of these names.
+/// Whether a file uses any of the names.
 pub fn uses(text: &str, names: &BTreeSet<String>) -> bool {
     rename(text, names, "_") != text
 }
 
-/// The text with `suffix` at each of these names, except where it is a field: after a dot, or declared in a structure.
+/// Appends `suffix` to the names, except to fields after a dot and in structures.
 pub fn rename(text: &str, names: &BTreeSet<String>, suffix: &str) -> String {
     let mut out = String::with_capacity(text.len() + text.len() / 8);
     let mut tokens = tokens(text).peekable();
@@ -179,21 +178,21 @@ mod tests {
         \x20   return one(size2, s) + 1e5;\n}\n";
 
     #[test]
-    fn what_a_file_defines_is_found_and_nothing_local() {
+    fn global_definitions_are_found() {
         let expected = ["Block", "PI", "Soft", "distance_bound", "image", "one", "size", "tint", "volume"];
         assert_eq!(definitions(TEXT).into_iter().collect::<Vec<_>>(), expected);
         assert_eq!(members(TEXT), [("vec4", "tint"), ("float", "size")]);
     }
 
     #[test]
-    fn a_variable_that_changes_is_told_from_constants_and_functions() {
+    fn mutable_variables_are_found() {
         assert!(has_state(TEXT), "distance_bound");
         let still = "#define A b\nconst float PI = 3.0;\nstruct S {\n    float x;\n};\nfloat f(float x);\nfloat g() { float y = 1.0; return y; }\n";
         assert!(!has_state(still));
     }
 
     #[test]
-    fn a_name_is_changed_everywhere_but_in_comments_and_fields() {
+    fn names_are_renamed_outside_comments_and_fields() {
         let names = ["size".to_string(), "one".to_string()].into();
         let renamed = rename(TEXT, &names, "_2");
         assert!(renamed.starts_with("// size of it\n"));

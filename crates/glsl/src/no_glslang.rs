@@ -1,9 +1,9 @@
-//! In the place of `glslang.rs` in a library without its feature `glsl`: programs that ship are all there are.
+//! Stand-in for `glslang.rs` without the feature `compiler`.
 
 use super::error::LinkError;
 use super::stage::Stage;
 
-/// What is not compiled.
+/// Source text of a shader.
 #[expect(dead_code, reason = "it is not read")]
 pub(super) struct Text<'a> {
     pub(super) name: &'a str,
@@ -12,15 +12,15 @@ pub(super) struct Text<'a> {
     pub(super) is_optimized: bool,
 }
 
-/// Fails.
+/// Always fails.
 pub(super) fn started() -> Result<(), LinkError> {
     Err(LinkError::NoCompiler)
 }
 
-/// A file that a text includes: path and text.
+/// Resolves an include to path and text.
 type Include<'a> = dyn Fn(&str, bool) -> Result<(String, String), String> + 'a;
 
-/// Fails.
+/// Always fails.
 pub(super) fn compiled(_: &Text<'_>, _: &Include<'_>) -> Result<Vec<u32>, LinkError> {
     Err(LinkError::NoCompiler)
 }

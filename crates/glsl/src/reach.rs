@@ -1,45 +1,44 @@
-//! How far a module moves what is looked up, and how far matter grows by that: `// @move` and `// @grow`.
+//! Reach of a module: how far it moves lookups (`// @move`), and how far matter grows (`// @grow`).
 //!
 //! ```glsl
-//! // @move perturbation                       a lookup moves at most so far, in any direction
+//! // @move perturbation                       a lookup moves at most this far, in any direction
 //! // @move +y 0.5 * drip_length               ... along +y; `-y` along -y, `y` along both
-//! // @grow 0                                  matter gets no further than it was
+//! // @grow 0                                  matter does not grow
 //! ```
-//! Lines of one kind add up, and so do the modules of a stack. Without `@grow`, matter grows as far as lookups move, to
-//! the other side: what is seen at a place is what is found where its lookup goes. Two names in a length are no parameters:
-//! `hold_radius`, the radius beyond which a step along the radius stays as long as it is there (`scale_radius.glsl`), and
-//! `noise_bound`, the largest value of the noise, which a module of slot `noise` declares where it is not
-//! [`NOISE_BOUND`]: `// @bound 1`.
+//! Lines of one kind add up, as do modules of a stack. Without `@grow`, matter grows as far as lookups move, in the opposite
+//! direction. Two names in a length are not parameters: `hold_radius`, beyond which steps along the radius keep their length
+//! (`scale_radius.glsl`), and `noise_bound`, the bound of the noise. A module of slot `noise` declares the latter by
+//! `// @bound 1` if it is not [`NOISE_BOUND`].
 
 use std::array::from_fn;
 
-/// The names in a length that are no parameters.
+/// Names in a length that are not parameters.
 pub const GIVEN: [&str; 2] = ["hold_radius", "noise_bound"];
-/// The largest value of gradient noise: eight unit gradients that point to the middle of a cell.
+/// Bound of gradient noise: eight unit gradients that point to the middle of a cell.
 pub const NOISE_BOUND: f32 = 0.866_025_4;
 
-/// What a module declares of both.
+/// Declared lengths of a module.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Reach {
     moves: Vec<Length>,
     grows: Vec<Length>,
 }
 
-/// Lengths to all sides, object units.
+/// Distances in all directions, object units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sides {
     /// In any direction.
     pub round: f32,
-    /// Along -x, -y and -z, on top of that.
+    /// Additionally along -x, -y and -z.
     pub low: [f32; 3],
-    /// Along +x, +y and +z.
+    /// Additionally along +x, +y and +z.
     pub high: [f32; 3],
 }
 
-/// A sum of products: how far to which sides.
+/// A length: a sum of products.
 #[derive(Clone, Debug, PartialEq)]
 struct Length {
-    /// An axis, and whether its lower and its upper side are meant; `None` for any direction.
+    /// Axis, and whether its lower and upper side count; `None` for any direction.
     axis: Option<(usize, [bool; 2])>,
     terms: Vec<Vec<Factor>>,
 }
@@ -51,19 +50,19 @@ enum Factor {
 }
 
 impl Reach {
-    /// Adds what follows `@move` or `@grow`; `None` where it cannot be read.
+    /// Parses the text after `@move` or `@grow`.
     pub(super) fn add(&mut self, grows: bool, text: &str) -> Option<()> {
         let length = Length::parse(text)?;
         if grows { &mut self.grows } else { &mut self.moves }.push(length);
         Some(())
     }
 
-    /// Whether nothing is declared.
+    /// Whether no length is declared.
     pub(super) fn is_empty(&self) -> bool {
         self.moves.is_empty() && self.grows.is_empty()
     }
 
-    /// The names of parameters in its lengths.
+    /// Names of the parameters in all lengths.
     pub(super) fn names(&mut self) -> impl Iterator<Item = &mut String> {
         let factors = self.moves.iter_mut().chain(&mut self.grows).flat_map(|length| length.terms.iter_mut().flatten());
         factors.filter_map(|factor| match factor {
@@ -72,37 +71,37 @@ impl Reach {
         })
     }
 
-    /// How far a lookup may move.
+    /// Bound of the motion of lookups.
     pub fn moves(&self, value: &dyn Fn(&str) -> f32) -> Sides {
         sum(&self.moves, value)
     }
 
-    /// How far matter may grow.
+    /// Bound of the growth of matter.
     pub fn grows(&self, value: &dyn Fn(&str) -> f32) -> Sides {
         if self.grows.is_empty() { self.moves(value).mirrored() } else { sum(&self.grows, value) }
     }
 }
 
 impl Sides {
-    /// Both, one after the other.
+    /// The sum of two reaches.
     #[must_use]
     pub fn plus(self, other: Sides) -> Sides {
         let add = |a: [f32; 3], b: [f32; 3]| from_fn(|axis| a[axis] + b[axis]);
         Sides { round: self.round + other.round, low: add(self.low, other.low), high: add(self.high, other.high) }
     }
 
-    /// The same to the other sides.
+    /// The reach in opposite directions.
     #[must_use]
     pub fn mirrored(self) -> Sides {
         Sides { low: self.high, high: self.low, ..self }
     }
 
-    /// The farthest in any direction.
+    /// Largest distance in any direction.
     pub fn farthest(&self) -> f32 {
         self.round + norm(from_fn(|axis| self.low[axis].max(self.high[axis])))
     }
 
-    /// The largest difference of two steps of at most these lengths.
+    /// Largest difference of two steps within this reach.
     pub fn span(&self) -> f32 {
         2.0 * self.round + norm(from_fn(|axis| self.low[axis] + self.high[axis]))
     }

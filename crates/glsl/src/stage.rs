@@ -1,6 +1,6 @@
-//! The stages that programs have.
+//! Shader stages.
 
-/// Shader stage of an entry file.
+/// Stage of an entry file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// Vertex shader.

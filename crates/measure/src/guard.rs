@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 use std::io::{self, Read, Write};
 use std::path::Path;
 use std::time::Duration;
-use support::watch::processor_time;
+use support::watchdog::processor_time;
 
 /// Name of the hidden command.
 pub const COMMAND: &str = "try";

@@ -1,47 +1,44 @@
-//! Blocks of lattice noise, made all at once.
+//! Baked blocks of lattice noise.
 //!
-//! Role: sample noise or turbulence on a grid that tiles. Texels lie at the same places in every cell, so that the eight
-//! corners of a cell are summed one axis after the other: along x for each lattice line, along y for each lattice plane,
-//! and along z with four products for each texel and octave; nothing is hashed more than once for each plane of texels
-//! that starts a task. Invariant: a block equals `Lattice` at its texel centers to the rounding of f32.
+//! Role: samples noise or turbulence on a tiling grid. Texels lie at the same offsets in every cell, so the corners of a cell
+//! are summed axis by axis: along x for each lattice line, along y for each lattice plane, and along z with four products
+//! per texel and octave. Invariant: a block equals `Lattice` at its texel centers up to f32 rounding.
 
-use super::Weights;
-use super::lattice::direction;
+use super::knots::direction;
+use super::weights::Weights;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use support::random::SplitMix;
 
-/// Planes of texels that one task makes, and rows that it makes together: what is summed along x and y for them stays in
-/// the cache of a core.
+/// Planes of texels per task, and rows computed together, whose partial sums fit into the cache of a core.
 const PLANES: usize = 16;
 const ROWS: usize = 16;
 
-/// What a block holds.
+/// Description of a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bake {
-    /// How directions fade into each other.
+    /// Interpolation weights.
     pub weights: Weights,
-    /// Texels along a side, a power of two. Texel i lies at `(i + 0.5) / size`.
+    /// Texels per side, a power of two. Texel i is centered at `(i + 0.5) / size`.
     pub size: u32,
-    /// Lattice cells of the first octave across the block, a power of two; it tiles without a seam.
+    /// Lattice cells of the first octave per side, a power of two.
     pub cells: u32,
     /// Octaves summed.
     pub octaves: u32,
-    /// Whether their absolute values are summed (turbulence), or they are.
+    /// Whether absolute values are summed (turbulence).
     pub absolute: bool,
 }
 
-/// A block: values, and gradients where they were asked for, x fastest.
+/// Baked values, and gradients if requested, x fastest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Block {
     /// The sum at each texel.
     pub values: Vec<f32>,
-    /// Its gradient, each axis for itself, per cell of the first octave; empty where it was not asked for.
+    /// Gradient by axis, per cell of the first octave; empty if not requested.
     pub gradient: [Vec<f32>; 3],
 }
 
-/// Whole octaves of an axis at the places of the texels of one cell: near and far side, the weight, the weight times the
-/// offset from the side, and the slopes of both.
+/// Per texel offset in a cell, for near and far side: the weight, the weight times the distance from the side, and the slopes
+/// of both.
 struct Places {
     weight: [Vec<f32>; 2],
     moment: [Vec<f32>; 2],
@@ -69,7 +66,7 @@ impl Places {
         }
     }
 
-    /// The four factors of a place: of the near and far side, for what is constant and for what grows along the axis.
+    /// Factors of near and far side for the constant and the linear part along the axis.
     #[inline(always)]
     fn factors(&self, place: usize) -> [f32; 4] {
         [self.weight[0][place], self.weight[1][place], self.moment[0][place], self.moment[1][place]]
@@ -86,8 +83,7 @@ impl Places {
     }
 }
 
-/// Fields on a lattice plane for the rows of a task: value at the plane and growth away from it, of the noise and of its
-/// slopes along x and y. Each is `rows` long.
+/// Sums on a lattice plane for the rows of a task: constant and linear part along z, of the noise and of its slopes along x and y.
 struct Plane {
     fields: [Vec<f32>; 6],
 }
@@ -98,7 +94,7 @@ impl Plane {
     }
 }
 
-/// Some planes of a block, and where their values and slopes go.
+/// A task: planes of a block, with their output.
 struct Task<'a, const GRADIENT: bool> {
     bake: &'a Bake,
     places: &'a [Places],
@@ -109,7 +105,7 @@ struct Task<'a, const GRADIENT: bool> {
 impl<const GRADIENT: bool> pulp::NullaryFnOnce for Task<'_, GRADIENT> {
     type Output = ();
 
-    #[inline(always)] // as all that is called here: into code for the vectors of this processor
+    #[inline(always)] // with all its callees, to be compiled for the vectors of this processor
     fn call(mut self) {
         let side = self.bake.size as usize;
         for rows in (0..side).step_by(ROWS.min(side)) {
@@ -121,17 +117,17 @@ impl<const GRADIENT: bool> pulp::NullaryFnOnce for Task<'_, GRADIENT> {
 }
 
 impl Bake {
-    /// The octaves out of `wanted` that a block can hold: those whose cells are wider than two texels (PH 3.1).
+    /// Octaves out of `wanted` whose cells are at least two texels wide (PH 3.1).
     pub fn held(size: u32, cells: u32, wanted: u32) -> u32 {
         (0..wanted).take_while(|octave| (cells << octave) * 2 <= size).count() as u32
     }
 
-    /// The values alone: a third of the work. `progress` is called with the part that is done, from any thread.
+    /// Bakes values only, a third of the work. `progress` receives the fraction done, from any thread.
     pub fn values(&self, progress: &(dyn Fn(f32) + Sync)) -> Block {
         self.bake::<false>(progress)
     }
 
-    /// The values with their gradients; `progress` as in [`Bake::values`].
+    /// Bakes values and gradients. `progress` receives the fraction done, from any thread.
     pub fn values_and_gradients(&self, progress: &(dyn Fn(f32) + Sync)) -> Block {
         self.bake::<true>(progress)
     }
@@ -210,7 +206,7 @@ impl Bake {
         }
     }
 
-    /// A lattice plane of an octave, summed along x and y for some rows.
+    /// Sums a lattice plane of an octave along x and y for some rows.
     #[inline(always)]
     fn plane<const GRADIENT: bool>(
         &self,
@@ -251,8 +247,7 @@ impl Bake {
     }
 }
 
-/// Lattice lines of a plane, summed along x: the offsets' share along x, and what y and z will multiply; and the slopes
-/// of these along x.
+/// Lattice lines summed along x: the x part, and the factors of the y and z offsets; then the slopes of these along x.
 struct Lines {
     side: usize,
     fields: [Vec<f32>; 6],
@@ -263,7 +258,7 @@ impl Lines {
         Lines { side, fields: std::array::from_fn(|_| vec![0.0; lines * side]) }
     }
 
-    /// Sums line `line`, of which `direction` gives the lattice points by their x.
+    /// Sums a line whose lattice points at x have `direction(x)`.
     #[inline(always)]
     fn sum<const GRADIENT: bool>(
         &mut self,
@@ -309,7 +304,7 @@ fn mix_two(out: &mut [f32], [a, b]: [&[f32]; 2], w: [f32; 4]) {
     }
 }
 
-/// Adds one octave of rows: `field` is constant and growing, near and far.
+/// Adds an octave to rows from its constant and linear part, near and far.
 #[inline(always)]
 fn add_values(out: &mut [f32], [a, b, c, d]: [&[f32]; 4], w: [f32; 4], amplitude: f32, absolute: bool) {
     let values = out.iter_mut().zip(a).zip(b).zip(c).zip(d);
@@ -324,8 +319,8 @@ fn add_values(out: &mut [f32], [a, b, c, d]: [&[f32]; 4], w: [f32; 4], amplitude
     }
 }
 
-/// The same with gradients: fields of the noise and of its slopes along x and y; factors of z and their slopes. Of an
-/// absolute value the slope has the sign of what it is of; 2^i of the chain rule and the amplitude cancel.
+/// Adds an octave with its gradient to rows, from the noise and its slopes along x and y, and the factors of z and their slopes.
+/// The slope of an absolute value has the sign of the value. The chain rule's 2^i and the amplitude cancel.
 #[inline(always)]
 fn add_gradients(
     [values, xs, ys, zs]: [&mut [f32]; 4],
@@ -352,58 +347,10 @@ fn add_gradients(
     }
 }
 
-/// Random numbers in four channels, `size`^3 texels of them, x fastest, blurred by a Gaussian of `blur` texels (GG 39.5)
-/// and then scaled so that each channel has the mean 0.5 and keeps within [0, 1].
-pub fn random_block(seed: u64, size: u32, blur: f32) -> Vec<[f32; 4]> {
-    let side = size as usize;
-    let mut random = SplitMix(seed);
-    let mut block: Vec<[f32; 4]> =
-        (0..side.pow(3)).map(|_| std::array::from_fn(|_| random.unit() as f32 - 0.5)).collect();
-    let reach = (3.0 * blur).ceil() as usize;
-    let weights: Vec<f32> =
-        (0..=2 * reach).map(|i| (-0.5 * ((i as f32 - reach as f32) / blur.max(1e-6)).powi(2)).exp()).collect();
-    let total: f32 = weights.iter().sum();
-    for stride in [1, side, side * side] {
-        let before = block.clone();
-        block.par_iter_mut().enumerate().for_each(|(index, out)| {
-            let along = index / stride % side;
-            let start = index - along * stride;
-            *out = [0.0; 4];
-            for (i, weight) in weights.iter().enumerate() {
-                let from = before[start + (along + side * reach + i - reach) % side * stride];
-                (0..4).for_each(|c| out[c] += weight / total * from[c]);
-            }
-        });
-    }
-    let largest = block.iter().flatten().fold(0.0f32, |largest, value| largest.max(value.abs()));
-    block.iter().map(|texel| texel.map(|value| 0.5 + 0.5 * value / largest)).collect()
-}
-
-/// The mean of |noise| of such a block, whose texels hold 0.5 + 0.5 noise, as its last channel is read with a linear filter:
-/// from one place in each of some texels, to about half a percent.
-pub fn random_mean(block: &[[f32; 4]], size: u32) -> f32 {
-    const PLACES: usize = 1 << 16;
-    let side = size as usize;
-    let mut random = SplitMix(1);
-    let (places, stride) = (PLACES.min(block.len()), (block.len() / PLACES).max(1));
-    let at = |random: &mut SplitMix, index: usize| {
-        let near = [index % side, index / side % side, index / side / side];
-        let part: [f32; 3] = std::array::from_fn(|_| random.unit() as f32);
-        let corner = |corner: usize| {
-            let far = [corner & 1, corner >> 1 & 1, corner >> 2];
-            let weight: f32 = (0..3).map(|a| if far[a] == 1 { part[a] } else { 1.0 - part[a] }).product();
-            let [x, y, z] = [0, 1, 2].map(|a| (near[a] + far[a]) % side);
-            weight * (2.0 * block[(z * side + y) * side + x][3] - 1.0)
-        };
-        f64::from((0..8).map(corner).sum::<f32>().abs())
-    };
-    ((0..places).map(|index| at(&mut random, index * stride)).sum::<f64>() / places as f64) as f32
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::{Lattice, Period};
     use super::*;
+    use crate::{Lattice, Period};
 
     #[test]
     fn m34_a_block_is_the_noise_at_its_texel_centers() {
@@ -434,17 +381,6 @@ mod tests {
             }
             println!("{bake:?}: {off:.1e}, gradient {slope_off:.1e}");
             assert!(off <= 1e-6 && slope_off <= 5e-6, "{bake:?}: {off:e}, gradient {slope_off:e}");
-        }
-    }
-
-    #[test]
-    fn the_mean_of_random_texels_is_that_of_what_a_filter_reads() {
-        let block =
-            |of: &dyn Fn(usize) -> f32| (0..16usize.pow(3)).map(|at| [0.0, 0.0, 0.0, of(at)]).collect::<Vec<_>>();
-        // Noise of -0.6 everywhere; and of 1 and -1 by turns along x: |1 - 2 t| between two texels.
-        for (mean, block) in [(0.6, block(&|_| 0.2)), (0.5, block(&|at| (at % 2) as f32))] {
-            let found = random_mean(&block, 16);
-            assert!((found / mean - 1.0).abs() < 0.02, "{found} for {mean}");
         }
     }
 

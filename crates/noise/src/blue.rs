@@ -1,13 +1,13 @@
-//! Blue noise: a tile of numbers of which neighbors are far apart.
+//! Blue noise.
 
 use support::random::SplitMix;
 
-/// Width of the energy around a point, texels. Smaller: clusters are not seen; larger: the order becomes a lattice.
+/// Width of the energy around a point, texels. Lower overlooks clusters; higher orders points in a lattice.
 const SIGMA: f64 = 1.9;
-/// Points of the first pattern, as a part of all. More: it takes longer to spread them.
+/// Texels per point of the initial pattern. Lower takes longer to spread the points.
 const FIRST: usize = 10;
 
-/// A pattern of points on a torus, and how crowded each place is.
+/// A pattern of points on a torus, with the energy at each texel.
 #[derive(Clone)]
 struct Pattern {
     side: usize,
@@ -35,7 +35,7 @@ impl Pattern {
         }
     }
 
-    /// The most crowded point, or the emptiest place.
+    /// The tightest cluster (`on`), or the largest void.
     fn extreme(&self, on: bool) -> usize {
         let sign = if on { -1.0 } else { 1.0 };
         let places = (0..self.on.len()).filter(|at| self.on[*at] == on);
@@ -43,10 +43,10 @@ impl Pattern {
     }
 }
 
-/// A tile of `side`^2 numbers (rank + 1/2) / `side`^2, x fastest, each once, that repeats without seams.
+/// A tile of `side`^2 blue noise values that repeats without seams, x fastest. Each (rank + 1/2) / `side`^2 occurs once.
 ///
-/// Source: R. Ulichney, "The void-and-cluster method for dither array generation", 1993. Its third phase is the second:
-/// where empty places crowd, points are fewest. Time grows as `side`^4: 0.1 s for 64.
+/// Source: R. Ulichney, "The void-and-cluster method for dither array generation", 1993. Its third phase equals the
+/// second. Time grows as `side`^4: 0.1 s for 64.
 pub fn blue_noise(side: usize) -> Vec<f32> {
     let count = side * side;
     let mut places: Vec<usize> = (0..count).collect();

@@ -1,45 +1,57 @@
-//! The range of the noise over a box.
+//! Ranges of the noise and of its gradient over boxes.
 //!
-//! Role: bounds as tight as a block of texels gives, without a block. Invariant: every value of [`Lattice::sample_of`] in the
-//! box lies in the range. Within a cell the noise is linear in each of six numbers, the weights of its far sides and the place
-//! in the box, so that over all of them its extremes are at their ends.
+//! Role: bounds as tight as a block of texels gives, without a block. The gradient's range bounds noise whose place moves
+//! along a ray: its value in the middle and these slopes are far tighter than the range over the box of its places.
+//! Invariant: value and gradient of every [`Lattice::sample_of`] in a box lie in their ranges. Within a cell the noise is
+//! linear in each of six numbers, the weights of the far sides and the offsets in the box, so its extremes over all of them
+//! are at their ends.
 
+use super::knots::Knots;
 use super::lattice::{FARTHEST, Lattice};
-use super::{Knots, NOISE_BOUND, Weights};
+use super::weights::{NOISE_BOUND, Weights};
 
-/// Boxes that are looked at on their own are at most so long, in lattice cells. Less: slower. More: wider ranges.
+/// Longest part of a box bounded by itself, in lattice cells. Lower is slower; higher widens ranges.
 const PIECE: f64 = 0.5;
-/// A box that is longer has the range of all noise. More: hardly narrower, and much slower.
+/// Longest box that is looked at, in lattice cells; longer ones get the range of all noise. Higher is much slower and hardly
+/// narrower.
 const LONGEST: f64 = 1.5;
-/// Cells that such a box reaches into along an axis.
+/// Most cells along an axis that such a box touches.
 const MOST_CELLS: usize = 3;
-/// What f64 rounds, and GLSL in its constants, which have 32 bits.
+/// Rounding errors of f64, and of GLSL constants, which have 32 bits.
 pub const ROUNDED: f64 = 1e-7;
+/// The empty range.
+const EMPTY: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 
 impl Lattice {
-    /// Bounds of the value of the noise of these knots over a box, in lattice cells.
+    /// Range of the noise of `knots` over a box in lattice cells.
     pub fn range(self, knots: Knots, low: [f64; 3], high: [f64; 3]) -> [f64; 2] {
-        let Some((parts, counts)) = parts(low, high) else { return [-NOISE_BOUND, NOISE_BOUND] };
-        let mut all = [f64::INFINITY, f64::NEG_INFINITY];
-        for z in &parts[2][..counts[2]] {
-            for y in &parts[1][..counts[1]] {
-                for x in &parts[0][..counts[0]] {
-                    self.weights.include(&mut all, [x, y, z], knots);
-                }
-            }
+        let mut all = EMPTY;
+        match for_each_cell(low, high, |cell| self.weights.include(&mut all, cell, knots)) {
+            true => [(all[0] - ROUNDED).max(-NOISE_BOUND), (all[1] + ROUNDED).min(NOISE_BOUND)],
+            false => [-NOISE_BOUND, NOISE_BOUND],
         }
-        [(all[0] - ROUNDED).max(-NOISE_BOUND), (all[1] + ROUNDED).min(NOISE_BOUND)]
+    }
+
+    /// Range of the gradient of the noise of `knots` over a box in lattice cells, per axis and cell.
+    pub fn gradient_range(self, knots: Knots, low: [f64; 3], high: [f64; 3]) -> [[f64; 2]; 3] {
+        let steepest = knots.steepest();
+        let mut all = [EMPTY; 3];
+        match for_each_cell(low, high, |cell| self.weights.include_gradient(&mut all, cell, knots)) {
+            true => all.map(|[low, high]| [(low - ROUNDED).max(-steepest), (high + ROUNDED).min(steepest)]),
+            false => [[-steepest, steepest]; 3],
+        }
     }
 }
 
-/// The parts of a box within cells, by axis, and how many; none of a box that is too long.
-pub(super) fn parts(low: [f64; 3], high: [f64; 3]) -> Option<([[Parts; MOST_CELLS]; 3], [usize; 3])> {
+/// Calls `on` with the parts of a box within each cell, by axis. Returns false for a box that is too long.
+#[inline(always)]
+fn for_each_cell(low: [f64; 3], high: [f64; 3], mut on: impl FnMut([&Parts; 3])) -> bool {
     let mut parts = [const { [const { Parts { base: 0, ends: [0.0; 3], count: 0 } }; MOST_CELLS] }; 3];
     let mut counts = [0; 3];
     for axis in 0..3 {
         let [from, to] = [low[axis], high[axis]].map(|end| end.clamp(-FARTHEST, FARTHEST));
         if (to - from).is_nan() || to - from > LONGEST {
-            return None;
+            return false;
         }
         let mut cell = from.floor();
         while cell <= to {
@@ -47,23 +59,26 @@ pub(super) fn parts(low: [f64; 3], high: [f64; 3]) -> Option<([[Parts; MOST_CELL
             (counts[axis], cell) = (counts[axis] + 1, cell + 1.0);
         }
     }
-    Some((parts, counts))
+    for z in &parts[2][..counts[2]] {
+        for y in &parts[1][..counts[1]] {
+            for x in &parts[0][..counts[0]] {
+                on([x, y, z]);
+            }
+        }
+    }
+    true
 }
 
-/// The part of a range within a cell, in one piece or two.
-pub(super) struct Parts {
-    pub(super) base: i32,
-    /// Of the pieces, from the base: as many as there are and one more.
+/// The part of an interval within a cell, in one piece or two.
+struct Parts {
+    /// The cell.
+    base: i32,
+    /// Ends of the pieces, from the base: one more than there are pieces.
     ends: [f64; 3],
     count: usize,
 }
 
 impl Parts {
-    /// From where to where.
-    pub(super) fn whole(&self) -> [f64; 2] {
-        [self.ends[0], self.ends[self.count]]
-    }
-
     fn of(low: f64, high: f64, base: i32) -> Parts {
         let [from, to] = [low.max(0.0), high.min(1.0)];
         match to - from > PIECE {
@@ -73,17 +88,37 @@ impl Parts {
     }
 }
 
-/// At a corner of a cell: the value in the middle of a piece, and how far it is from there to the ends along each axis.
-pub(super) type Knot = [f64; 4];
+/// Values and gradients at the corners of a cell.
+fn corners(parts: [&Parts; 3], knots: Knots) -> [[f64; 4]; 8] {
+    let cell = |corner: usize, axis: usize| (parts[axis].base as u32).wrapping_add((corner >> axis & 1) as u32);
+    std::array::from_fn(|corner| knots.at([0, 1, 2].map(|axis| cell(corner, axis))))
+}
+
+/// Of a corner of a cell: the value in the middle of a piece, and its change from there to the end along each axis.
+type Knot = [f64; 4];
+
+#[inline(always)]
+fn centered(corners: [[f64; 4]; 8], middle: [f64; 3], half: [f64; 3]) -> [Knot; 8] {
+    let mut knots = [[0.0; 4]; 8];
+    for (corner, (knot, [own, x, y, z])) in knots.iter_mut().zip(corners).enumerate() {
+        let away = |axis: usize| middle[axis] - (corner >> axis & 1) as f64;
+        let value = own + x * away(0) + y * away(1) + z * away(2);
+        *knot = [value, x * half[0], y * half[1], z * half[2]];
+    }
+    knots
+}
+
+/// The range of values whose middle and changes are a knot.
+#[inline(always)]
+fn include_knot(range: &mut [f64; 2], [value, x, y, z]: Knot) {
+    let reach = x.abs() + y.abs() + z.abs();
+    *range = [range[0].min(value - reach), range[1].max(value + reach)];
+}
 
 impl Weights {
-    /// Takes in the range over the part of a cell.
-    fn include(self, all: &mut [f64; 2], parts: [&Parts; 3], of: Knots) {
-        let mut corners = [[0.0; 4]; 8];
-        for (corner, found) in corners.iter_mut().enumerate() {
-            let place = |axis: usize| (parts[axis].base as u32).wrapping_add((corner >> axis & 1) as u32);
-            *found = of.at([0, 1, 2].map(place));
-        }
+    /// Extends a range by that of the noise in a cell.
+    fn include(self, all: &mut [f64; 2], parts: [&Parts; 3], knots: Knots) {
+        let corners = corners(parts, knots);
         for piece in 0..parts[0].count * parts[1].count * parts[2].count {
             let (x, rest) = (piece % parts[0].count, piece / parts[0].count);
             let at = [x, rest % parts[1].count, rest / parts[1].count];
@@ -93,23 +128,51 @@ impl Weights {
                 (middle[axis], half[axis]) = (0.5 * (low + high), 0.5 * (high - low));
                 far[axis] = [self.fade(low).0, self.fade(high).0];
             }
-            let mut knots = [[0.0; 4]; 8];
-            for (corner, (knot, [own, x, y, z])) in knots.iter_mut().zip(corners).enumerate() {
-                let away = |axis: usize| middle[axis] - (corner >> axis & 1) as f64;
-                let value = own + x * away(0) + y * away(1) + z * away(2);
-                *knot = [value, x * half[0], y * half[1], z * half[2]];
+            for knot in faded::<4>(faded::<2>(faded::<1>(centered(corners, middle, half), far[0]), far[1]), far[2]) {
+                include_knot(all, knot);
             }
-            for [value, x, y, z] in faded::<4>(faded::<2>(faded::<1>(knots, far[0]), far[1]), far[2]) {
-                let reach = x.abs() + y.abs() + z.abs();
-                *all = [all[0].min(value - reach), all[1].max(value + reach)];
+        }
+    }
+
+    /// Extends ranges by those of the gradient in a cell.
+    fn include_gradient(self, all: &mut [[f64; 2]; 3], parts: [&Parts; 3], knots: Knots) {
+        let (mut middle, mut half, mut far, mut steep) = ([0.0; 3], [0.0; 3], [[0.0; 2]; 3], [[0.0; 2]; 3]);
+        for axis in 0..3 {
+            let [low, high] = [parts[axis].ends[0], parts[axis].ends[parts[axis].count]];
+            (middle[axis], half[axis]) = (0.5 * (low + high), 0.5 * (high - low));
+            let [(from, rise), (to, fall)] = [self.fade(low), self.fade(high)];
+            far[axis] = [from, to];
+            // The slope of a weight rises up to the middle of the cell and falls behind it.
+            let top = if low < 0.5 && high > 0.5 { self.fade(0.5).1 } else { rise.max(fall) };
+            steep[axis] = [rise.min(fall), top];
+        }
+        let corners = corners(parts, knots);
+        let directions = corners.map(|[_, x, y, z]| [x, y, z, 0.0]);
+        let knots = centered(corners, middle, half);
+        // The mean of the directions, and the slope of each weight times the difference that it interpolates.
+        let means = faded::<4>(faded::<2>(faded::<1>(directions, far[0]), far[1]), far[2]);
+        let across = [
+            faded::<4>(faded::<2>(differences::<1>(knots), far[1]), far[2]),
+            faded::<4>(faded::<1>(differences::<2>(knots), far[0]), far[2]),
+            faded::<2>(faded::<1>(differences::<4>(knots), far[0]), far[1]),
+        ];
+        for axis in 0..3 {
+            let (mut mean, mut step) = (EMPTY, EMPTY);
+            for end in 0..8 {
+                include_knot(&mut step, across[axis][end]);
+                mean = [mean[0].min(means[end][axis]), mean[1].max(means[end][axis])];
             }
+            let [flat, steep] = steep[axis];
+            let low = mean[0] + if step[0] < 0.0 { steep * step[0] } else { flat * step[0] };
+            let high = mean[1] + if step[1] > 0.0 { steep * step[1] } else { flat * step[1] };
+            all[axis] = [all[axis][0].min(low), all[axis][1].max(high)];
         }
     }
 }
 
-/// Along one axis, the pairs of sides become the pairs of ends of a range of the weight of the far side.
+/// Interpolates along an axis: each pair of sides becomes the values at both ends of a range of the far side's weight.
 #[inline(always)]
-pub(super) fn faded<const AXIS: usize>(knots: [Knot; 8], [low, high]: [f64; 2]) -> [Knot; 8] {
+fn faded<const AXIS: usize>(knots: [Knot; 8], [low, high]: [f64; 2]) -> [Knot; 8] {
     let mut found = knots;
     for near in 0..8 {
         if near & AXIS == 0 {
@@ -122,38 +185,52 @@ pub(super) fn faded<const AXIS: usize>(knots: [Knot; 8], [low, high]: [f64; 2]) 
     found
 }
 
+/// Far side minus near side along an axis, stored at both.
+fn differences<const AXIS: usize>(knots: [Knot; 8]) -> [Knot; 8] {
+    let of = |corner: usize| std::array::from_fn(|part| knots[corner | AXIS][part] - knots[corner & !AXIS][part]);
+    [0, 1, 2, 3, 4, 5, 6, 7].map(of)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use support::random::SplitMix;
 
     #[test]
-    fn no_value_in_a_box_is_outside_of_its_range_and_ranges_are_narrow() {
+    fn ranges_hold_every_value_and_gradient_and_are_narrow() {
         let mut random = SplitMix(11);
         let kinds = [Knots::Hashed(1 << 20), Knots::Hashed(4), Knots::Tables, Knots::Values];
         for (side, knots) in [1e-3, 0.05, 0.1, 0.2, 0.4, 0.8, 1.5].into_iter().flat_map(|s| kinds.map(|k| (s, k))) {
-            let (mut width, mut seen) = (0.0, 0.0);
+            // Of the value and of the gradient, over all boxes.
+            let (mut widths, mut seen) = ([0.0; 2], [0.0; 2]);
             for number in 0..200 {
                 let noise = Lattice { weights: [Weights::Cubic, Weights::Quintic][number % 2] };
                 let low: [f64; 3] = std::array::from_fn(|_| 40.0 * random.unit() - 20.0);
                 let high = low.map(|low| low + side * random.unit());
-                let [least, most] = noise.range(knots, low, high);
-                let mut found = [f64::INFINITY, f64::NEG_INFINITY];
+                let [x, y, z] = noise.gradient_range(knots, low, high);
+                let ranges = [noise.range(knots, low, high), x, y, z];
+                let mut found = [EMPTY; 4];
                 for point in 0..500 {
                     let part: [f64; 3] = std::array::from_fn(|a| match point {
                         ..8 => f64::from(point >> a & 1),
                         _ => random.unit(),
                     });
-                    let (slope, value) =
+                    let ([x, y, z], value) =
                         noise.sample_of(knots, [0, 1, 2].map(|a| low[a] + part[a] * (high[a] - low[a])));
-                    assert!((least..=most).contains(&value), "{value} in [{least}, {most}], {low:?} to {high:?}");
-                    assert!(slope.iter().all(|along| along.abs() <= knots.steepest()), "{slope:?} of {knots:?}");
-                    found = [found[0].min(value), found[1].max(value)];
+                    assert!([x, y, z].iter().all(|along| along.abs() <= knots.steepest()), "{x} {y} {z} of {knots:?}");
+                    for ((value, [least, most]), found) in [value, x, y, z].into_iter().zip(ranges).zip(&mut found) {
+                        assert!((least..=most).contains(&value), "{value} in [{least}, {most}], {low:?} to {high:?}");
+                        *found = [found[0].min(value), found[1].max(value)];
+                    }
                 }
-                (width, seen) = (width + most - least, seen + found[1] - found[0]);
+                for (i, (range, found)) in ranges.into_iter().zip(found).enumerate() {
+                    widths[i.min(1)] += range[1] - range[0];
+                    seen[i.min(1)] += found[1] - found[0];
+                }
             }
-            println!("{side}, {knots:?}: {:.2} times as wide as what is seen, {:.3}", width / seen, seen / 200.0);
-            assert!(width < 3.0 * seen, "{side}, {knots:?}: {} times", width / seen);
+            let [value, gradient] = [0, 1].map(|i| widths[i] / seen[i]);
+            println!("{side}, {knots:?}: {value:.2} and {gradient:.2} times as wide as seen");
+            assert!(value < 3.0 && (gradient < 4.0 || side > 0.4), "{side}, {knots:?}: {value}, {gradient} times");
         }
     }
 }

@@ -1,11 +1,12 @@
-//! What is kept on disk between runs, because it takes longer to make than to read.
+//! Results cached on disk between runs.
 //!
-//! Invariant: a file is used only if it ends in the BLAKE3 hash of its name and the rest; files appear whole. A folder that cannot be
-//! read or written costs the next run its time, and no more. A link, a pipe, a directory or anything else in the place of a file is
-//! neither followed nor opened, and makes way for the file.
+//! Invariant: a file is used only if it ends in the BLAKE3 hash of its name and content. A folder that cannot be read or
+//! written only costs time. Links, pipes, directories and anything else in the place of a file are not opened, and are
+//! replaced.
 
+use super::faults::file as may_fail;
+use super::files::{replace, sweep};
 use super::open::{self, OpenError};
-use super::{may_fail, replace, sweep};
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -13,16 +14,16 @@ use std::time::SystemTime;
 
 const HASH_BYTES: usize = 32;
 
-/// Files of one kind, which are evicted together.
+/// A kind of cached files, evicted together.
 #[derive(Clone, Copy, Debug)]
 pub struct Kind {
-    /// What their names may end in; the first is that of [`load`] and [`save`].
+    /// File extensions; [`load`] and [`save`] use the first.
     pub ends: &'static [&'static str],
-    /// Bytes of all of them; those used longest ago are evicted, and none that is longer is read.
+    /// Largest total size in bytes, enforced by evicting the least recently used. No longer file is read.
     pub limit: u64,
 }
 
-/// `$HYPERTEXTURE_CACHE`, else `$XDG_CACHE_HOME/hypertexture`, else `~/.cache/hypertexture`; none without a home.
+/// `$HYPERTEXTURE_CACHE`, else `$XDG_CACHE_HOME/hypertexture`, else `~/.cache/hypertexture`; `None` without a home.
 pub fn default_folder() -> Option<PathBuf> {
     let set = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
     set("HYPERTEXTURE_CACHE")
@@ -30,12 +31,12 @@ pub fn default_folder() -> Option<PathBuf> {
         .or_else(|| set("HOME").map(|folder| folder.join(".cache").join("hypertexture")))
 }
 
-/// What was saved under a key.
+/// The bytes saved under a key.
 pub fn load(kind: Kind, key: blake3::Hash) -> Option<Vec<u8>> {
     read(&file(&default_folder()?, kind, key), kind).ok()?
 }
 
-/// Saves under a key.
+/// Saves bytes under a key, if possible.
 pub fn save(kind: Kind, key: blake3::Hash, bytes: &[u8]) {
     if let Some(folder) = default_folder() {
         let _ = write(&file(&folder, kind, key), bytes.to_vec(), kind);
@@ -46,10 +47,10 @@ fn file(folder: &Path, kind: Kind, key: blake3::Hash) -> PathBuf {
     folder.join(format!("{}.{}", key.to_hex(), kind.ends[0]))
 }
 
-/// What a file holds; nothing where it is damaged, too long or no file.
+/// Content of a cached file; `None` if it is damaged, too long or not a plain file.
 ///
 /// # Errors
-/// What the system says.
+/// I/O errors.
 pub fn read(path: &Path, kind: Kind) -> Result<Option<Vec<u8>>, OpenError> {
     if !fs::symlink_metadata(path)?.is_file() {
         return Ok(None);
@@ -63,21 +64,21 @@ pub fn read(path: &Path, kind: Kind) -> Result<Option<Vec<u8>>, OpenError> {
         return Ok(None);
     }
     bytes.truncate(content.len());
-    // The time of use decides what goes first.
+    // The modification time is the time of last use.
     let _ = File::options().append(true).open(path).and_then(|file| file.set_modified(SystemTime::now()));
     Ok(Some(bytes))
 }
 
-/// The hash of a file: of its name too, so that one which stands in the place of another is not taken for it.
+/// Hash of a file's content and name, so that renamed files are not mistaken for others.
 fn hash_of(path: &Path, content: &[u8]) -> blake3::Hash {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     blake3::Hasher::new().update(name.as_bytes()).update(&[0]).update(content).finalize()
 }
 
-/// Writes a file with its hash, and evicts of its kind what was used longest ago where there is too much.
+/// Writes a file with its hash, and evicts the least recently used of its kind beyond the limit.
 ///
 /// # Errors
-/// What the system says.
+/// I/O errors.
 pub fn write(path: &Path, mut bytes: Vec<u8>, kind: Kind) -> io::Result<()> {
     let folder = path.parent().unwrap_or(Path::new("."));
     may_fail("create_dir")?;
@@ -91,8 +92,7 @@ pub fn write(path: &Path, mut bytes: Vec<u8>, kind: Kind) -> io::Result<()> {
     evict(folder, kind)
 }
 
-/// Removes what was used longest ago where there is too much of a kind, and what processes left behind that ended while they
-/// wrote. A file that another process has just removed is no error.
+/// Sweeps a folder and removes the least recently used files of a kind beyond its limit.
 fn evict(folder: &Path, kind: Kind) -> io::Result<()> {
     sweep(folder);
     let mut files = Vec::new();
@@ -110,7 +110,7 @@ fn evict(folder: &Path, kind: Kind) -> io::Result<()> {
             break;
         }
         match fs::remove_file(path) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error), // else another process removed it
             _ => total -= bytes,
         }
     }
@@ -132,7 +132,7 @@ mod tests {
     const KIND: Kind = Kind { ends: &["test"], limit: 200 };
 
     #[test]
-    fn what_was_saved_comes_back_and_what_is_damaged_does_not() {
+    fn saved_files_are_loaded_and_damaged_ones_are_not() {
         let folder = tempfile::tempdir().unwrap();
         let key = blake3::hash(b"key");
         assert_eq!(load_from(folder.path(), KIND, key), None);
@@ -154,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn one_in_the_place_of_another_is_not_taken_for_it() {
+    fn a_renamed_file_is_not_loaded() {
         let folder = tempfile::tempdir().unwrap();
         let [a, b] = [b"a", b"b"].map(|name| blake3::hash(name));
         save_to(folder.path(), KIND, a, b"of a");
@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn the_one_used_longest_ago_goes_first() {
+    fn the_least_recently_used_file_is_evicted() {
         let folder = tempfile::tempdir().unwrap();
         let keys = [b"a", b"b", b"c"].map(|name| blake3::hash(name));
         let at = |key: usize, seconds| {
@@ -181,7 +181,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn what_is_no_file_is_not_opened_and_makes_way_for_one() {
+    fn anything_but_a_file_is_replaced_unopened() {
         let folder = tempfile::tempdir().unwrap();
         let key = blake3::hash(b"key");
         let path = file(folder.path(), KIND, key);
@@ -210,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_that_is_none_keeps_nothing() {
+    fn a_file_in_place_of_the_folder_disables_the_cache() {
         let file = tempfile::NamedTempFile::new().unwrap();
         save_to(file.path(), KIND, blake3::hash(b"key"), b"bytes");
         assert_eq!(load_from(file.path(), KIND, blake3::hash(b"key")), None);

@@ -1,38 +1,38 @@
-//! Calls that fail when a test says so: of files here, of Vulkan in `gpu::faults`.
+//! Fault injection for tests: file system calls here, Vulkan calls in `gpu::faults`. All state is per thread.
 
 use std::cell::{Cell, RefCell};
 use std::io;
 
 thread_local! {
-    /// Calls of this thread that still succeed before one fails.
+    /// Calls that still succeed before one fails.
     static LEFT: Cell<Option<usize>> = const { Cell::new(None) };
-    /// Calls since then, by name.
+    /// Names of the calls since [`fail_after`].
     static CALLS: RefCell<Vec<&'static str>> = const { RefCell::new(Vec::new()) };
-    /// The call of this thread that loses its device; empty once it is lost.
+    /// The call that loses the device; empty once it is lost.
     static LOSES: Cell<Option<&'static str>> = const { Cell::new(None) };
-    /// What the validation layer has said to this thread.
+    /// Messages of the validation layer.
     static SAID: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
-    /// Whether devices that this thread opens have calls that may fail.
+    /// Whether new devices take part.
     static ARE_ON: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Lets calls of devices that this thread opens from now on fail as well, and notes messages of the validation layer.
+/// Includes the Vulkan calls of devices opened from here on, and records validation messages.
 pub fn turn_on() {
     ARE_ON.set(true);
 }
 
-/// Whether [`turn_on`] was called in this thread.
+/// Whether [`turn_on`] was called.
 pub fn are_on() -> bool {
     ARE_ON.get()
 }
 
-/// Lets the call of this thread that comes after `left` others fail.
+/// Makes the call after `left` others fail.
 pub fn fail_after(left: usize) {
     LEFT.set(Some(left));
     CALLS.take();
 }
 
-/// Lets nothing fail any more. Result: the calls since [`fail_after`], by name, and whether one of them failed.
+/// Stops injecting faults. Returns the names of the calls since [`fail_after`], and whether one failed.
 pub fn stop() -> (Vec<&'static str>, bool) {
     let reached = LEFT.take().is_none();
     let calls = CALLS.take();
@@ -40,12 +40,12 @@ pub fn stop() -> (Vec<&'static str>, bool) {
     (calls, failed)
 }
 
-/// Lets the next call of this thread with that name lose the device, for good; with none, there is another device.
+/// Makes the next call of that name lose the device for good; `None` ends the loss.
 pub fn lose(call: Option<&'static str>) {
     LOSES.set(call);
 }
 
-/// Whether this call finds no device any more.
+/// Whether this call finds the device lost.
 pub fn is_lost(name: &'static str) -> bool {
     let is_lost = LOSES.get().is_some_and(|call| call.is_empty() || call == name);
     if is_lost {
@@ -62,10 +62,10 @@ pub fn fails(name: &'static str) -> bool {
     left == 0
 }
 
-/// A call of the file system, which may fail.
+/// Marks a file system call that tests can make fail.
 ///
 /// # Errors
-/// A test says so.
+/// The injected fault.
 pub fn file(name: &'static str) -> io::Result<()> {
     match fails(name) {
         true => Err(io::Error::other(format!("{name}: no space left on device"))),
@@ -73,14 +73,14 @@ pub fn file(name: &'static str) -> io::Result<()> {
     }
 }
 
-/// Notes what the validation layer says.
+/// Records a message of the validation layer.
 pub fn note(message: &str) {
     if are_on() {
         SAID.with_borrow_mut(|said| said.push(message.into()));
     }
 }
 
-/// Takes what the validation layer has said to this thread.
+/// Takes the recorded messages of the validation layer.
 pub fn said() -> Vec<String> {
     SAID.take()
 }

@@ -1,9 +1,8 @@
-//! How much memory is left: what is asked for beyond it ends the process, and often others, without a word.
+//! Memory left to this process. Allocating more makes the system kill processes without a message.
 
 use std::fs;
 
-/// Bytes that this process may still take, where the system says: of the machine, of the group that it runs in, and of its own
-/// addresses.
+/// Bytes available to this process, if known: the least of the machine's, the control group's and its own address space.
 pub fn available() -> Option<u64> {
     let of_machine = fs::read_to_string("/proc/meminfo").ok().and_then(|text| of_machine(&text));
     let [most, now, uses] =
@@ -12,7 +11,7 @@ pub fn available() -> Option<u64> {
     of_machine.into_iter().chain(of_group).chain(addresses()).min()
 }
 
-/// Bytes of addresses that are left to this process, where they are limited (`ulimit -v`).
+/// Bytes of address space left to this process, if limited (`ulimit -v`).
 pub fn addresses() -> Option<u64> {
     #[cfg(target_os = "linux")]
     {
@@ -26,14 +25,14 @@ pub fn addresses() -> Option<u64> {
     None
 }
 
-/// What is left in a group: files that are kept in memory go when it is needed.
+/// Bytes available in a control group, counting its page cache as available.
 fn of_group(most: &str, now: &str, uses: &str) -> Option<u64> {
-    let bytes = |text: &str| text.trim().parse::<u64>().ok(); // no number: no limit
+    let bytes = |text: &str| text.trim().parse::<u64>().ok(); // `max` means no limit
     let files = uses.lines().find_map(|line| bytes(line.strip_prefix("file ")?)).unwrap_or_default();
     Some((bytes(most)? + files).saturating_sub(bytes(now)?))
 }
 
-/// What is available in the text of `/proc/meminfo`.
+/// `MemAvailable` of `/proc/meminfo`, in bytes.
 fn of_machine(text: &str) -> Option<u64> {
     let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
     line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kib| kib << 10)
@@ -44,7 +43,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_left_is_what_the_system_says() {
+    fn available_memory_is_parsed() {
         assert_eq!(of_machine("MemTotal:  9 kB\nMemAvailable:   20 kB\nBuffers: 7 kB\n"), Some(20 << 10));
         assert_eq!(of_machine("MemTotal:  9 kB\n"), None);
         assert_eq!(of_group("100\n", "90\n", "anon 20\nfile 70\nfile_dirty 3\n"), Some(80));

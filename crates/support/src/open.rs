@@ -1,38 +1,37 @@
-//! Files that people name, opened in one place: what is no plain file, or longer than anything that is looked for there, is
-//! refused before it is read. A pipe would wait for its writer, and a device never ends. [`Home`] says which files others may
-//! name.
+//! Checked opening of user-named files: only plain files up to a length limit are read. A pipe would block and a device never
+//! end. [`Home`] confines the paths inside files from others.
 
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-/// The byte order mark that some programs write before text in UTF-8; no part of the text.
+/// The UTF-8 byte order mark that some programs write before text.
 pub const MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// Why a file is not read; the words that come behind its name.
+/// Why a file is not read. Messages follow its name.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
-    /// Nothing has this name.
+    /// The file does not exist.
     #[error("there is no such file")]
     Missing,
-    /// Its permissions, or those of a folder above it, forbid it.
+    /// Permission denied.
     #[error("it may not be read: look at its permissions")]
     Denied,
     /// A folder, a device, a pipe or a socket.
     #[error("it is {0}, not a file")]
     NotAFile(&'static str),
-    /// It is longer than any such file.
+    /// The file exceeds the length limit.
     #[error("{bytes} bytes, and at most {most} are read of such a file; is it the right one?")]
     Long {
-        /// Its length.
+        /// Length in bytes.
         bytes: u64,
-        /// The longest that is read.
+        /// Limit in bytes.
         most: u64,
     },
-    /// A line, from 1, that is not UTF-8.
+    /// Invalid UTF-8 in a line, counted from 1.
     #[error("line {0} is not text in UTF-8; save it as UTF-8")]
     NotText(usize),
-    /// Any other error of the system.
+    /// Any other I/O error.
     #[error("{0}")]
     Other(io::Error),
 }
@@ -56,18 +55,18 @@ impl From<OpenError> for io::Error {
     }
 }
 
-/// Where the files are that a file may name which somebody else may have written: below its folder, and below the current one.
+/// The folders that a file from an untrusted source may refer to: its own and the current one, with everything below.
 #[derive(Debug)]
 pub struct Home(Vec<PathBuf>);
 
 impl Home {
-    /// Of the files in a folder.
+    /// The home of files in a folder.
     pub fn of(folder: &Path) -> Home {
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
         Home([folder, Path::new(".")].into_iter().filter_map(|folder| folder.canonicalize().ok()).collect())
     }
 
-    /// Whether a path stays there once all links are followed; one that leads to nothing does.
+    /// Whether a path is inside once links are followed. Paths to nothing count as inside.
     pub fn holds(&self, path: &Path) -> bool {
         match path.canonicalize() {
             Ok(path) => self.0.iter().any(|folder| path.starts_with(folder)),
@@ -76,14 +75,14 @@ impl Home {
     }
 }
 
-/// A plain file of at most `most` bytes, and its length.
+/// Opens a plain file of at most `most` bytes. Returns its length too.
 pub fn open(path: &Path, most: u64) -> Result<(File, u64), OpenError> {
-    // Before it is opened: that would wait for the writer of a pipe.
+    // Checked before opening, which would wait for the writer of a pipe.
     let about = fs::metadata(path)?;
     if !about.is_file() {
         return Err(OpenError::NotAFile(if about.is_dir() { "a directory" } else { "a device, pipe or socket" }));
     }
-    super::may_fail("open")?;
+    super::faults::file("open")?;
     let file = File::open(path)?;
     match file.metadata()?.len() {
         bytes if bytes > most => Err(OpenError::Long { bytes, most }),
@@ -91,20 +90,20 @@ pub fn open(path: &Path, most: u64) -> Result<(File, u64), OpenError> {
     }
 }
 
-/// All of a plain file of at most `most` bytes.
+/// Reads a plain file of at most `most` bytes.
 pub fn bytes(path: &Path, most: u64) -> Result<Vec<u8>, OpenError> {
     let (file, length) = open(path, most)?;
     let mut bytes = Vec::new();
     bytes.try_reserve_exact(length as usize).map_err(|_| io::Error::from(io::ErrorKind::OutOfMemory))?;
-    super::may_fail("read")?;
-    file.take(most.saturating_add(1)).read_to_end(&mut bytes)?; // it may grow meanwhile
+    super::faults::file("read")?;
+    file.take(most.saturating_add(1)).read_to_end(&mut bytes)?; // the file may grow meanwhile
     match bytes.len() as u64 {
         bytes if bytes > most => Err(OpenError::Long { bytes, most }),
         _ => Ok(bytes),
     }
 }
 
-/// The text of a plain file of at most `most` bytes, without its byte order mark.
+/// Reads the UTF-8 text of a plain file of at most `most` bytes, without its byte order mark.
 pub fn text(path: &Path, most: u64) -> Result<String, OpenError> {
     let mut bytes = bytes(path, most)?;
     if bytes.starts_with(MARK) {
@@ -116,7 +115,7 @@ pub fn text(path: &Path, most: u64) -> Result<String, OpenError> {
     })
 }
 
-/// The hash of what is in a plain file.
+/// Hash of the content of a plain file.
 pub fn hash(path: &Path) -> Result<blake3::Hash, OpenError> {
     let mut hash = blake3::Hasher::new();
     hash.update_reader(open(path, u64::MAX)?.0)?;
@@ -128,7 +127,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_no_plain_file_of_the_right_kind_is_refused_before_it_is_read() {
+    fn only_plain_files_within_the_limit_are_read() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         fs::write(at("text"), "one\ntwo").unwrap();
@@ -150,7 +149,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn a_pipe_and_a_device_do_not_keep_anybody_waiting() {
+    fn pipes_and_devices_are_refused_at_once() {
         let folder = tempfile::tempdir().unwrap();
         let pipe = folder.path().join("pipe");
         assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());

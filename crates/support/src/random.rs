@@ -1,6 +1,6 @@
-//! Numbers that look random and are the same each time.
+//! Reproducible pseudorandom numbers.
 
-/// SplitMix64 (Steele, Lea and Flood 2014; Vigna): a small generator whose sequence is fixed for ever.
+/// SplitMix64 (Steele, Lea and Flood 2014; Vigna), seeded by its state.
 #[derive(Clone, Debug)]
 pub struct SplitMix(pub u64);
 
@@ -19,7 +19,7 @@ impl SplitMix {
         (self.bits() >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// Puts things into a random order (Fisher and Yates).
+    /// Fisher-Yates shuffle.
     pub fn shuffle<T>(&mut self, things: &mut [T]) {
         for left in (1..things.len()).rev() {
             things.swap(left, (self.bits() % (left as u64 + 1)) as usize);

@@ -1,37 +1,35 @@
-//! The threads that computations are divided among.
+//! The global thread pool.
 
 use rayon::ThreadPoolBuilder;
 use std::error::Error;
 use std::num::NonZero;
 use std::thread::available_parallelism;
 
-/// Starts as many threads as there are processors, or as `RAYON_NUM_THREADS` asks for below that: more help nothing. Where the
-/// system gives fewer, those.
+/// Starts the thread pool: one thread per processor, or `RAYON_NUM_THREADS` if that is fewer. Halves the number as long as the
+/// system refuses.
 ///
 /// # Errors
-/// The system gives none.
+/// Not even one thread can be started.
 pub fn start() -> Result<(), String> {
     let processors = available_parallelism().map_or(1, NonZero::get);
     let asked = std::env::var("RAYON_NUM_THREADS").ok().and_then(|text| text.parse().ok());
-    let mut count = held(asked, processors);
+    let mut count = clamped(asked, processors);
     if let Some(asked) = asked.filter(|asked| *asked > processors) {
-        log::warn!(
-            "RAYON_NUM_THREADS = {asked}: {count} threads are started, one for each processor; more help nothing"
-        );
+        log::warn!("RAYON_NUM_THREADS = {asked}: more than there are processors; starting {count} threads");
     }
     loop {
         let Err(error) = ThreadPoolBuilder::new().num_threads(count).build_global() else { return Ok(()) };
-        let Some(reason) = error.source() else { return Ok(()) }; // they are started
+        let Some(reason) = error.source() else { return Ok(()) }; // already started
         if count == 1 {
-            return Err(format!("no thread can be started: {reason}; look at `ulimit -v` and `ulimit -u`"));
+            return Err(format!("cannot start a thread: {reason}; look at `ulimit -v` and `ulimit -u`"));
         }
-        log::warn!("{count} threads cannot be started ({reason}); half of them are tried");
+        log::warn!("cannot start {count} threads ({reason}); trying half as many");
         count /= 2;
     }
 }
 
-/// How many threads are started where so many are asked for.
-fn held(asked: Option<usize>, processors: usize) -> usize {
+/// The number of threads for the requested number.
+fn clamped(asked: Option<usize>, processors: usize) -> usize {
     asked.filter(|asked| *asked > 0).unwrap_or(processors).min(processors)
 }
 
@@ -41,7 +39,7 @@ mod tests {
 
     #[test]
     fn no_more_threads_are_started_than_there_are_processors() {
-        let all = [None, Some(0), Some(1), Some(3), Some(100_000)].map(|asked| held(asked, 4));
+        let all = [None, Some(0), Some(1), Some(3), Some(100_000)].map(|asked| clamped(asked, 4));
         assert_eq!(all, [4, 4, 1, 3, 4]);
     }
 }

@@ -1,14 +1,15 @@
-//! Text that strangers wrote, in messages: names of files, keys of scenes, comments, what compilers say.
+//! Text in messages: escaping of untrusted text (file names, scene keys, comments, compiler output), spelling suggestions,
+//! number formatting and shell quoting.
 //!
-//! Invariant: a terminal shows it as it is. Escape sequences do not reach it, and no character turns others around or hides.
+//! Invariant: escaped text has no effect on a terminal. No escape sequence, direction mark or invisible character is left.
 
 use std::borrow::Cow;
 
-/// A name is near where at most one letter of so many is wrong, and stands for a longer one from so many on.
+/// Letters per typo that [`nearest`] tolerates, and the shortest prefix that it completes.
 const LETTERS: usize = 3;
 
-/// Whether a terminal or a reader may take a character for something else than itself: control characters, those that change
-/// the direction of text or end its line, and those that nobody sees, but for the joiners of letters and pictures.
+/// Whether a character may deceive a terminal or a reader: control characters, direction marks, line separators, and
+/// invisible characters except joiners.
 fn is_hidden(c: char) -> bool {
     let is_format = matches!(c,
         '\u{ad}' | '\u{61c}' | '\u{180e}' | '\u{200b}' | '\u{200e}'..='\u{200f}' | '\u{2028}'..='\u{202e}'
@@ -16,7 +17,7 @@ fn is_hidden(c: char) -> bool {
     c.is_control() || is_format
 }
 
-/// Text with all escaped that [`is_hidden`] but what is `kept`.
+/// Text with its hidden characters escaped, except those in `kept`.
 fn escaped<'a>(text: &'a str, kept: &[char], escape: impl Fn(char, &mut String)) -> Cow<'a, str> {
     let is_escaped = |c: char| is_hidden(c) && !kept.contains(&c);
     if !text.contains(is_escaped) {
@@ -27,24 +28,24 @@ fn escaped<'a>(text: &'a str, kept: &[char], escape: impl Fn(char, &mut String))
     Cow::Owned(shown)
 }
 
-/// Text as a line.
+/// Untrusted text escaped as one line.
 pub fn line(text: &str) -> Cow<'_, str> {
     escaped(text, &[], |c, shown| shown.extend(c.escape_default()))
 }
 
-/// Text as lines, with its tabs.
+/// Untrusted text escaped, with its line breaks and tabs kept.
 pub fn lines(text: &str) -> Cow<'_, str> {
     escaped(text, &['\n', '\t'], |c, shown| shown.extend(c.escape_default()))
 }
 
-/// JSON that means the same.
+/// Equivalent JSON with hidden characters escaped.
 pub fn json(text: &str) -> Cow<'_, str> {
     escaped(text, &['\n', '\t'], |c, shown| {
         shown.extend(c.encode_utf16(&mut [0; 2]).iter().map(|unit| format!("\\u{unit:04x}")));
     })
 }
 
-/// The known name that a misspelt one stands for: few letters are other, missing, too many or exchanged, or else it begins so.
+/// The known name closest to a misspelt one by edit distance, or one that it is a prefix of.
 pub fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     let name: String = name.trim().to_lowercase().chars().take(64).collect();
     let length = name.chars().count();
@@ -58,12 +59,25 @@ pub fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     least.map(|(.., candidate)| candidate)
 }
 
+/// A number with `digits` significant digits: 0.0123, or 1.23e-9 far from 1.
+pub fn significant(number: f64, digits: usize) -> String {
+    let rounded: f64 = format!("{number:.*e}", digits.saturating_sub(1)).parse().unwrap_or(number);
+    let is_near = rounded == 0.0 || (1e-4..1e9).contains(&rounded.abs());
+    if is_near { rounded.to_string() } else { format!("{rounded:e}") }
+}
+
+/// A word quoted for `sh`.
+pub fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=+:@%".contains(c);
+    if !word.is_empty() && word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', "'\\''")) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn nothing_reaches_a_terminal_that_it_would_act_upon() {
+    fn escaped_text_has_no_effect_on_a_terminal() {
         let hostile = "a\u{1b}[2J\u{9b}31m\r\n\t\u{7}\u{202e}\u{2066}\u{200f}\u{feff}\u{e0041}b é 毛 🔥";
         assert_eq!(
             line(hostile),

@@ -2,7 +2,7 @@
 
 use std::fmt;
 use std::time::{Duration, Instant};
-use support::watch;
+use support::watchdog;
 
 /// Latency that feels immediate.
 const PROMPT: Duration = Duration::from_millis(100);
@@ -30,7 +30,7 @@ struct Move {
 impl InputLatency {
     /// Starts the measurement; `on_screen` is the job of the current picture.
     pub(super) fn new(now: Instant, on_screen: u64) -> InputLatency {
-        let processor = watch::own_processor_time();
+        let processor = watchdog::own_processor_time();
         InputLatency { began: now, processor, moves: Vec::new(), pictures: Vec::new(), on_screen }
     }
 
@@ -104,7 +104,7 @@ impl fmt::Display for InputLatency {
         )?;
         let count = self.pictures.len();
         write!(f, "{:.1} pictures a second, longest gap {}", count as f64 / seconds.max(1e-3), ms(gap))?;
-        if let Some(taken) = watch::own_processor_time().zip(self.processor).map(|(now, before)| now - before) {
+        if let Some(taken) = watchdog::own_processor_time().zip(self.processor).map(|(now, before)| now - before) {
             write!(f, ", processor {:.0} ms each", taken.as_secs_f64() * 1e3 / count.max(1) as f64)?;
         }
         let mut sizes: Vec<_> = self

@@ -7,8 +7,8 @@ use crate::render::{RenderError, Renderer, Subject, render};
 use crate::scene::{Order, Pass, Scene, preset};
 use crate::shader;
 use std::collections::VecDeque;
-use support::alone::Alone;
 use support::faults::{lose, turn_on};
+use support::validation_lock::ValidationLock;
 
 const SIZE: [u32; 2] = [48, 40];
 const FORMAT: Format = Format::Rgba32Float;
@@ -121,7 +121,7 @@ fn recorded(
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn a_recorded_picture_is_that_of_render_over_what_the_host_has_drawn() {
-    let _alone = Alone::enter();
+    let _lock = ValidationLock::acquire();
     let [own, gpu] = host();
     let messages = own.messages();
     let library = shader::shipped();
@@ -181,7 +181,7 @@ fn a_recorded_picture_is_that_of_render_over_what_the_host_has_drawn() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn moving_frames_of_a_host_are_recorded_without_a_wait() {
-    let _alone = Alone::enter();
+    let _lock = ValidationLock::acquire();
     let [own, gpu] = host();
     let messages = own.messages();
     let library = shader::shipped();
@@ -237,7 +237,7 @@ fn moving_frames_of_a_host_are_recorded_without_a_wait() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn a_device_that_is_lost_is_an_error_of_every_call_and_of_no_other_device() {
-    let _alone = Alone::enter();
+    let _lock = ValidationLock::acquire();
     turn_on();
     let library = shader::shipped();
     let mut scene = preset("fur").unwrap();

@@ -7,7 +7,7 @@ use super::planes::{Extent, SlicePlanes};
 use crate::render::subject::Subject;
 use crate::render::variant::Variant;
 use crate::scene::{Parameters, Projection, Scene, Spread, Transform};
-use crate::shader::link::MAIN;
+use crate::shader::slots::MAIN;
 use glam::camera::rh;
 use glam::{Mat4, Vec2, Vec3};
 

@@ -7,7 +7,7 @@ use crate::render::subject::Subject;
 use crate::render::variant::{Variant, why_left_out};
 use crate::scene::Scene;
 use crate::shader::Library;
-use crate::shader::library::ZERO;
+use crate::shader::slots::FOLDED;
 
 /// Lines on the inputs of a picture, on omitted parts and on warnings: pairs of a topic and a text.
 ///
@@ -33,7 +33,7 @@ pub fn describe_frame(
     }
     lines.extend(m.left_out.iter().map(|part| line("left out", format!("{part}: {}", why_left_out(part)))));
     let variant = Variant::of(scene, library)?;
-    let zero = variant.slots.get(ZERO).map(|names| names.join(", "));
+    let zero = variant.slots.get(FOLDED).map(|names| names.join(", "));
     lines.extend(zero.map(|names| line("left out", format!("what these take away, as they are 0: {names}"))));
     lines.extend(octaves_held(m, scene, library).map(|text| line("octaves", text)));
     lines.extend(m.cells.as_ref().map(|cells| line("cells", cells.to_string())));

@@ -19,7 +19,7 @@ use crate::render::subject::Subject;
 use crate::render::variant::{Program, Variant};
 use crate::scene::schema::Changes;
 use crate::scene::{Pass, Scene};
-use crate::shader::library::ZERO;
+use crate::shader::slots::FOLDED;
 use crate::shader::{Library, Linker, Slots};
 use std::sync::Arc;
 use std::time::Instant;
@@ -206,8 +206,8 @@ impl Prepared {
     /// relinking would stall a slider.
     pub(crate) fn serves(&self, variant: &Variant) -> bool {
         let [own, wanted] = [&self.variant, variant].map(|variant| {
-            let modules = variant.slots.iter().filter(|(slot, _)| *slot != ZERO);
-            (variant.entries, modules.collect::<Vec<_>>(), variant.slots.get(ZERO).map_or(&[][..], Vec::as_slice))
+            let modules = variant.slots.iter().filter(|(slot, _)| *slot != FOLDED);
+            (variant.entries, modules.collect::<Vec<_>>(), variant.slots.get(FOLDED).map_or(&[][..], Vec::as_slice))
         });
         own.0 == wanted.0 && own.1 == wanted.1 && own.2.iter().all(|zero| wanted.2.contains(zero))
     }

@@ -18,7 +18,7 @@ use crate::shader::{Library, Slots};
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
-use support::watch::own_processor_time;
+use support::watchdog::own_processor_time;
 
 /// Renders a scene.
 ///
@@ -350,12 +350,12 @@ mod tests {
     use crate::gpu::Options;
     use crate::scene::{Pass, Proxy};
     use crate::shader;
-    use support::alone::Alone;
+    use support::validation_lock::ValidationLock;
 
     #[test]
     #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
     fn where_slices_are_cut_into_submissions_changes_no_bit() {
-        let _alone = Alone::enter();
+        let _lock = ValidationLock::acquire();
         let gpu = Gpu::new(&Options { validation: true, ..Options::from_env() }).unwrap();
         let mut scene = Scene::default();
         scene.object.input = "sphere".into();

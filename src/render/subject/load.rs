@@ -179,13 +179,7 @@ impl Subject {
         progress: Progress<'_>,
     ) -> Result<Subject, RenderError> {
         let Recipe { input, request, up, closest, proposed_iso, .. } = recipe;
-        let (field, points, report) = if closest {
-            let (field, points, report) = field::load_or_compute_closest(shape, &request, progress)?;
-            (field, Some(points), report)
-        } else {
-            let (field, report) = field::load_or_compute(shape, &request, progress)?;
-            (field, None, report)
-        };
+        let (field, points, report) = field::load_or_compute(shape, &request, closest, progress)?;
         let field = field.turned(up.turn());
         let points = points.map(|points| points.turned(up.turn()));
         let (low, high) = inside_bounds(&field);

@@ -1,6 +1,6 @@
 //! Reflection of optimized SPIR-V: the live bindings of a program.
 
-use crate::shader::instructions;
+use crate::shader::spirv::{Decoration, Op, instructions};
 use spirq::ReflectConfig;
 use spirq::ty::{DescriptorType, Type};
 use spirq::var::Variable;
@@ -103,20 +103,15 @@ pub(super) fn resources(vertex: &[u32], fragment: &[u32]) -> Result<Vec<Resource
     Ok(all)
 }
 
-const DECORATE: u32 = 71;
-const BINDING: u32 = 33;
-const CONSTANT: u32 = 43;
-/// `OpAccessChain` and `OpInBoundsAccessChain`.
-const ACCESS: [u32; 2] = [65, 66];
-
 /// Block members that a stage reads: pairs of a binding and a member index.
 pub(super) fn members_read(code: &[u32]) -> BTreeSet<(u32, u32)> {
+    const BINDING: u32 = Decoration::Binding as u32;
     let (mut bindings, mut constants, mut read) = (HashMap::new(), HashMap::new(), BTreeSet::new());
     for instruction in instructions(code) {
         match instruction {
-            (DECORATE, &[target, BINDING, number]) => drop(bindings.insert(target, number)),
-            (CONSTANT, &[_, result, value]) => drop(constants.insert(result, value)),
-            (chain, &[_, _, base, first, ..]) if ACCESS.contains(&chain) => {
+            (Op::Decorate, &[_, target, BINDING, number]) => drop(bindings.insert(target, number)),
+            (Op::Constant, &[_, _, result, value]) => drop(constants.insert(result, value)),
+            (Op::AccessChain | Op::InBoundsAccessChain, &[_, _, _, base, first, ..]) => {
                 let found = bindings.get(&base).zip(constants.get(&first));
                 read.extend(found.map(|(binding, member)| (*binding, *member)));
             }

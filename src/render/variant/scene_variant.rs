@@ -5,7 +5,7 @@ use super::program::{self, Program, shipped_programs};
 use crate::noise::Period;
 use crate::render::texture;
 use crate::scene::{Color, FieldEncoding, Integration, ParameterValue, Parameters, SHADOW_SAMPLES, Scene};
-use crate::shader::library::{ZERO, objects, prefixed};
+use crate::shader::slots::{FOLDED, objects, qualified};
 use crate::shader::{Library, LinkError, Linker, Parameter, Slots};
 use std::collections::BTreeMap;
 use std::iter;
@@ -68,7 +68,7 @@ impl Variant {
         if scene.quality.fold_zero_terms {
             let mut all = zero(scene, "", &parameters);
             all.extend(parts.iter().flat_map(|(name, parameters)| zero(&scene.part_as_scene(name), name, parameters)));
-            choice.insert(ZERO.into(), all);
+            choice.insert(FOLDED.into(), all);
         }
         let (octaves, periods) = (scene.octaves_held(library), scene.periods(library));
         let (slots, looks_back) = (library.needed(&entries, &choice)?, scene.looks_back(library));
@@ -209,7 +209,7 @@ impl Variant {
 
     /// Slots that all programs of a scene share: modules that sample the objects, and parameters of 0.
     fn kept(&self) -> impl Iterator<Item = (String, Vec<String>)> {
-        let is_kept = |key: &String| key == "object" || key.ends_with(".object") || key == ZERO;
+        let is_kept = |key: &String| key == "object" || key.ends_with(".object") || key == FOLDED;
         let own = self.slots.iter().filter(move |(key, _)| is_kept(key));
         own.map(|(key, names)| (key.clone(), names.clone()))
     }
@@ -304,7 +304,7 @@ fn zero(own: &Scene, object: &str, parameters: &Parameters) -> Vec<String> {
         ("transfer_color", own.transfer.is_flat() && texture::transfer_texel(&own.transfer) == [0.0; 4]),
     ];
     let members = members.into_iter().filter(|(_, is_zero)| *is_zero).map(|(name, _)| name);
-    parameters.chain(members).map(|name| prefixed(object, name)).collect()
+    parameters.chain(members).map(|name| qualified(object, name)).collect()
 }
 
 fn object_module(scene: &Scene, needs_normal: bool) -> &str {

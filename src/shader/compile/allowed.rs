@@ -1,45 +1,37 @@
-//! What a program with text of a user may not hold: arrays that a driver works on for minutes (a compiler takes one of
-//! 400 MB in a blink), and what reaches beyond the bindings, such as addresses of buffers.
+//! Restrictions on programs with user text: no arrays that keep a driver busy for minutes (glslang compiles one of 400 MB at
+//! once), and no access beyond the bindings, such as buffer addresses.
 
-use crate::shader::instructions;
+use crate::shader::spirv::{Capability, Op, StorageClass, instructions};
 use std::collections::HashMap;
 
-/// The largest array of a program, in bytes: lavapipe takes 2 s of the processor for the pipeline of one of 4 KiB, and a time
-/// that grows with the square of it, 20 s for 16 KiB.
+/// Largest array in bytes. The time of lavapipe for a pipeline grows with the square: 2 s for 4 KiB, 20 s for 16 KiB.
 const MAX_ARRAY: u64 = 4 << 10;
-/// All arrays of its functions, those of each place where a function is called by themselves.
+/// Total size of all local and private arrays in bytes, counted once per inlined call.
 const MAX_ARRAYS: u64 = 256 << 10;
-/// The capabilities of SPIR-V that programs may ask for: Matrix, Shader, Sampled1D, ImageQuery, DerivativeControl.
-const CAPABILITIES: [u32; 5] = [0, 1, 43, 50, 51];
+/// The capabilities that programs may declare.
+const CAPABILITIES: [Capability; 5] = [
+    Capability::Matrix,
+    Capability::Shader,
+    Capability::Sampled1D,
+    Capability::ImageQuery,
+    Capability::DerivativeControl,
+];
 
-const CAPABILITY: u32 = 17;
-const TYPE_BOOL: u32 = 20;
-const TYPE_INT: u32 = 21;
-const TYPE_FLOAT: u32 = 22;
-const TYPE_VECTOR: u32 = 23;
-const TYPE_MATRIX: u32 = 24;
-const TYPE_ARRAY: u32 = 28;
-const TYPE_STRUCT: u32 = 30;
-const TYPE_POINTER: u32 = 32;
-const CONSTANT: u32 = 43;
-const VARIABLE: u32 = 59;
-/// Storage classes of variables that each invocation has for itself.
-const PRIVATE: u32 = 6;
-const FUNCTION: u32 = 7;
-
-/// Why a SPIR-V module is not for a driver, if it is not.
+/// The reason why a SPIR-V module must not reach a driver, if any.
 pub fn refusal(module: &[u32]) -> Option<String> {
-    let foreign = |(op, operands): (u32, &[u32])| match operands {
-        [capability] if op == CAPABILITY => Some(*capability).filter(|number| !CAPABILITIES.contains(number)),
+    let foreign = |instruction: (Op, &[u32])| match instruction {
+        (Op::Capability, &[_, number]) => {
+            Some(number).filter(|n| !CAPABILITIES.iter().any(|known| *known as u32 == *n))
+        }
         _ => None,
     };
     if let Some(number) = instructions(module).find_map(foreign) {
         return Some(format!(
-            "it asks for capability {number} of SPIR-V, which a module may not have: leave its `#extension` out"
+            "it requires capability {number} of SPIR-V, which modules may not use: remove its `#extension`"
         ));
     }
     let Arrays { largest: (bytes, kind), all } = Arrays::of(module);
-    let why = "since a driver makes a pipeline of more for minutes; compute what it holds, or use fewer elements";
+    let why = "since drivers take minutes to compile more; compute its elements, or use fewer";
     if bytes > MAX_ARRAY {
         return Some(format!("{kind} of {bytes} bytes; one may have at most {MAX_ARRAY}, {why}"));
     }
@@ -48,43 +40,45 @@ pub fn refusal(module: &[u32]) -> Option<String> {
     })
 }
 
-/// What a SPIR-V module holds of arrays, in bytes.
+/// Array sizes of a SPIR-V module, in bytes.
 #[derive(Debug, PartialEq)]
 struct Arrays {
-    /// The largest type with an array in it, and what it is.
+    /// The largest type that contains an array, and its description.
     largest: (u64, &'static str),
-    /// All variables of functions whose types have one.
+    /// All private and function variables that contain arrays.
     all: u64,
 }
 
 impl Arrays {
     fn of(module: &[u32]) -> Arrays {
-        // Of each type: its bytes, and whether there is an array in it.
+        const PRIVATE: u32 = StorageClass::Private as u32;
+        const FUNCTION: u32 = StorageClass::Function as u32;
+        // Size of each type, and whether it contains an array.
         let mut types: HashMap<u32, (u64, bool)> = HashMap::new();
         let mut constants: HashMap<u32, u64> = HashMap::new();
         let mut found = Arrays { largest: (0, "an array"), all: 0 };
         for instruction in instructions(module) {
             let of = |id: u32| types.get(&id).copied().unwrap_or_default();
             let (id, size, kind) = match instruction {
-                (TYPE_INT | TYPE_FLOAT, &[id, width, ..]) => (id, (u64::from(width / 8), false), ""),
-                (TYPE_BOOL, &[id]) => (id, (4, false), ""),
-                (TYPE_VECTOR | TYPE_MATRIX, &[id, part, count]) => {
+                (Op::TypeInt | Op::TypeFloat, &[_, id, width, ..]) => (id, (u64::from(width / 8), false), ""),
+                (Op::TypeBool, &[_, id]) => (id, (4, false), ""),
+                (Op::TypeVector | Op::TypeMatrix, &[_, id, part, count]) => {
                     (id, (of(part).0.saturating_mul(u64::from(count)), false), "")
                 }
-                (TYPE_POINTER, &[id, _, to]) => (id, of(to), ""),
-                (TYPE_STRUCT, [id, parts @ ..]) => {
+                (Op::TypePointer, &[_, id, _, to]) => (id, of(to), ""),
+                (Op::TypeStruct, [_, id, parts @ ..]) => {
                     let add = |sum: (u64, bool), part: &u32| (sum.0.saturating_add(of(*part).0), sum.1 | of(*part).1);
                     (*id, parts.iter().fold((0, false), add), "a struct with arrays")
                 }
-                (TYPE_ARRAY, &[id, part, length]) => {
+                (Op::TypeArray, &[_, id, part, length]) => {
                     let length = constants.get(&length).copied().unwrap_or(1);
                     (id, (of(part).0.saturating_mul(length), true), "an array")
                 }
-                (CONSTANT, &[_, id, value]) => {
+                (Op::Constant, &[_, _, id, value]) => {
                     constants.insert(id, u64::from(value));
                     continue;
                 }
-                (VARIABLE, &[pointer, _, PRIVATE | FUNCTION, ..]) => {
+                (Op::Variable, &[_, pointer, _, PRIVATE | FUNCTION, ..]) => {
                     let (bytes, has_array) = of(pointer);
                     found.all = found.all.saturating_add(if has_array { bytes } else { 0 });
                     continue;

@@ -1,4 +1,4 @@
-//! Asking a child process about a text: a job on its standard input, an [`Answer`] on its standard output, both JSON.
+//! Requests to a child process: a job on its standard input, an [`Answer`] on its standard output, both JSON.
 
 use super::error::CompileError;
 use serde::de::DeserializeOwned;
@@ -6,29 +6,29 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::io::{self, Read, Write};
 use std::path::Path;
-use support::child::{self, End, Limits};
+use support::child::{self, Limits, Outcome};
 
-/// The longest job that a child reads, in bytes: every module of a library at its longest would not fit, none needs to.
+/// Longest job that a child reads, in bytes. A library with every module at its longest would not fit and need not.
 const MAX_JOB: u64 = 16 << 20;
 
-/// What a child says of a text.
+/// Verdict of a child on a text.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub enum Answer<T> {
-    /// It is good, and what came of it.
+    /// The text is good, with the result.
     Good(T),
-    /// Why it is not.
+    /// The text is refused, with the reason.
     Bad(String),
-    /// Why nothing can be said of it.
+    /// The text could not be tried, with the reason.
     Untried(String),
 }
 
-/// How a child has ended without an answer.
+/// How a child ended without an answer.
 pub enum Failure {
-    /// By a signal or a code.
+    /// A signal or an exit code.
     Crashed(String),
-    /// It took so many seconds of the processor.
+    /// The limit of processor time, seconds.
     Late(f32),
-    /// It took more memory than so many MiB.
+    /// The limit of memory, MiB.
     Large(u64),
 }
 
@@ -42,22 +42,22 @@ impl fmt::Display for Failure {
     }
 }
 
-/// A child: this very program with a hidden command.
+/// A child process: this program with a hidden command.
 pub struct Trial<'a> {
     /// The executable of hypertexture.
     pub program: &'a Path,
-    /// Its hidden command and the arguments of that.
+    /// The hidden command and its arguments.
     pub arguments: &'a [&'a str],
-    /// The device that it draws on, where it draws.
+    /// The device to draw on, if any.
     pub device: Option<&'a str>,
-    /// Its limits of time and memory.
+    /// Limits of time and memory.
     pub limits: &'a Limits,
-    /// What it means that the child has failed so, after it has finished so many stages.
+    /// The error for a failure after a number of finished stages.
     pub failed: fn(usize, Failure) -> CompileError,
 }
 
 impl Trial<'_> {
-    /// Starts the child and waits for its answer. `is_stale` is asked now and then: once it says yes, the child is ended.
+    /// Starts the child and waits for its answer. It is killed once `is_stale`, which is polled, returns true.
     pub fn ask<T: DeserializeOwned>(
         &self,
         job: &impl Serialize,
@@ -67,38 +67,38 @@ impl Trial<'_> {
         let text = serde_json::to_string(job).map_err(|error| run(error.to_string()))?;
         let device = self.device.map(|device| [("HYPERTEXTURE_DEVICE", device), ("HYPERTEXTURE_VALIDATION", "")]);
         let variables = device.as_ref().map_or(&[][..], |variables| variables);
-        let (end, said) =
+        let (outcome, output) =
             child::run(self.program, self.arguments, variables, text, self.limits, is_stale).map_err(run)?;
-        let stages = said.iter().take_while(|byte| **byte == STAGE).count();
-        let failure = match end {
-            End::Well => {
-                let answer = serde_json::from_slice(&said[stages..]);
+        let stages = output.iter().take_while(|byte| **byte == STAGE).count();
+        let failure = match outcome {
+            Outcome::Success => {
+                let answer = serde_json::from_slice(&output[stages..]);
                 return answer.map_err(|error| run(format!("its answer: {error}")));
             }
-            End::Abandoned => return Err(CompileError::Abandoned),
-            End::Badly(how) => Failure::Crashed(how),
-            End::Late => Failure::Late(self.limits.time.as_secs_f32()),
-            End::Large => Failure::Large(self.limits.memory_mib),
+            Outcome::Cancelled => return Err(CompileError::Abandoned),
+            Outcome::Failed(how) => Failure::Crashed(how),
+            Outcome::OutOfTime => Failure::Late(self.limits.time.as_secs_f32()),
+            Outcome::OutOfMemory => Failure::Large(self.limits.memory_mib),
         };
         Err((self.failed)(stages, failure))
     }
 }
 
-/// What a child writes at the end of each stage, before its answer.
+/// Byte that a child writes at the end of each stage, before its answer.
 const STAGE: u8 = b'\n';
 
-/// The child's side: a stage is finished.
+/// Child's side: marks the end of a stage.
 pub fn stage(output: &mut impl Write) -> io::Result<()> {
     output.write_all(&[STAGE])?;
     output.flush()
 }
 
-/// The child's side: the job.
+/// Child's side: reads the job.
 pub fn read<T: DeserializeOwned>(input: impl Read) -> io::Result<T> {
     Ok(serde_json::from_reader(io::BufReader::new(input.take(MAX_JOB)))?)
 }
 
-/// The child's side: its answer.
+/// Child's side: writes the answer.
 pub fn reply(output: &mut impl Write, answer: &Answer<impl Serialize>) -> io::Result<()> {
     serde_json::to_writer(&mut *output, answer)?;
     output.flush()

@@ -1,98 +1,98 @@
-//! What is wrong with a text, and where.
+//! Errors of user text, with their places.
 
 use std::path::PathBuf;
 
-/// The longest text of a module that is compiled, in bytes.
+/// Longest module text that is compiled, in bytes.
 pub(super) const MAX_SOURCE: usize = 256 << 10;
 
-/// Why there is no program.
+/// Why user text does not become a program.
 #[derive(Debug, thiserror::Error)]
 pub enum CompileError {
-    /// The compiler says what is wrong.
+    /// The compiler's message.
     #[error("{0}")]
     Refused(String),
-    /// A text is too long to be tried.
+    /// A text is too long.
     #[error("{path}: {bytes} bytes, and a module has at most {MAX_SOURCE}")]
     Long {
         /// The module.
         path: String,
-        /// Its length.
+        /// Length in bytes.
         bytes: usize,
     },
-    /// The compiler did not survive the text.
+    /// The compiler crashed.
     #[error("the GLSL compiler crashed on this text ({0}); make its longest expression or its arrays shorter")]
     Crashed(String),
-    /// The compiler did not end.
+    /// The compiler exceeded its time limit, seconds.
     #[error(
         "the GLSL compiler was stopped after {0:.1} s of the processor; a macro, a constant or functions that call each other \
          grow without end"
     )]
     Late(f32),
-    /// The compiler took all the memory that it may.
+    /// The compiler exceeded its memory limit, MiB.
     #[error(
         "the GLSL compiler needs more than {0} MiB for this text; a macro, a constant or functions that call each other grow \
          without end"
     )]
     Memory(u64),
-    /// The program of the text cannot be evaluated within limits.
+    /// Evaluation in f64 failed within its limits.
     #[error(
         "the program of this text {0} when it was evaluated in f64; make its arrays, its functions or its loops shorter"
     )]
     Evaluated(String),
-    /// The driver did not survive the program.
+    /// The driver crashed.
     #[error("the driver {0} on this text; make its arrays, its functions or its loops shorter")]
     Driver(String),
-    /// A few rays do not end.
+    /// Test rays exceeded their time limit.
     #[error(
         "the driver did not compile and draw {rays} rays within {seconds:.0} s of the processor: an array, a function or a loop \
          of this text is too long"
     )]
     Endless {
-        /// How many rays.
+        /// Number of rays.
         rays: u32,
-        /// Seconds of the processor that they had.
+        /// Limit of processor time in seconds.
         seconds: f32,
     },
-    /// A few rays take too long.
+    /// Test rays are too slow.
     #[error(
         "{rays} rays took {ms:.0} ms on the device, and {most:.0} ms are the most: make the loops of this text shorter"
     )]
     Slow {
-        /// How many rays.
+        /// Number of rays.
         rays: u32,
         /// Milliseconds on the device.
         ms: f64,
-        /// Milliseconds that they may take.
+        /// Limit in milliseconds.
         most: f64,
     },
-    /// A newer text has come.
-    #[error("given up for a newer text")]
+    /// Cancelled in favor of a newer text.
+    #[error("cancelled for a newer text")]
     Abandoned,
-    /// The child cannot be run or understood.
+    /// The child process cannot be run, or its answer not be read.
     #[error("the GLSL compiler cannot be run as `{}`: {reason}", path.display())]
     Run {
-        /// The program.
+        /// The executable.
         path: PathBuf,
-        /// What went wrong.
+        /// The reason.
         reason: String,
     },
 }
 
-/// One thing that is wrong, and where.
+/// One error in a text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
-    /// File and line, from 1, where the message names them.
+    /// File and line, from 1, if the message names them.
     pub at: Option<(String, usize)>,
-    /// What is wrong.
+    /// The message.
     pub text: String,
 }
 
 impl Fault {
-    /// The faults in a message of several lines, `path:line: text` each.
+    /// Parses a message of several lines `path:line: text`.
     pub fn all(message: &str) -> Vec<Fault> {
         let lines = message.lines().map(str::trim).filter(|line| !line.is_empty());
         let found = lines.map(|line| {
-            // A second copy of a module is `dmf/fur.glsl#2`, one of an additional object `stone:dmf/fur.glsl`.
+            // `dmf/fur.glsl#2` is the second copy of a module, `stone:dmf/fur.glsl` the module of an additional object.
             let placed = || {
                 let (path, rest) = line.split_at(line.find(".glsl")? + ".glsl".len());
                 let (_, rest) = rest.split_once(':').filter(|(copy, _)| copy.is_empty() || copy.starts_with('#'))?;

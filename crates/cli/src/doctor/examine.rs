@@ -112,12 +112,12 @@ impl Diagnosis {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use support::alone::Alone;
+    use support::validation_lock::ValidationLock;
 
     #[test]
     #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
     fn the_device_of_the_tests_is_healthy_and_named() {
-        let _alone = Alone::enter();
+        let _alone = ValidationLock::acquire();
         let start = std::time::Instant::now();
         let report = examine(&Options::from_env());
         println!("{}{:.2} s", report.text(), start.elapsed().as_secs_f64());
@@ -132,7 +132,7 @@ mod tests {
     #[test]
     #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
     fn the_self_tests_are_valid_vulkan() {
-        let _alone = Alone::enter();
+        let _alone = ValidationLock::acquire();
         let gpu = Gpu::new(&Options { validation: true, ..Options::from_env() }).unwrap();
         let messages = gpu.messages();
         let mut report = Diagnosis { program: PROGRAM, healthy: true, findings: Vec::new() };
@@ -144,7 +144,7 @@ mod tests {
 
     #[test]
     fn a_device_that_cannot_be_opened_is_a_finding_with_its_remedy() {
-        let _alone = Alone::enter();
+        let _alone = ValidationLock::acquire();
         let report = examine(&Options { device: Some("no such device".into()), ..Options::default() });
         assert!(!report.healthy);
         let failed: Vec<_> = report.findings.iter().filter(|finding| finding.what == "FAIL").collect();

@@ -3,7 +3,7 @@
 use super::*;
 use support::random::SplitMix;
 
-/// The field must be continuous: no jump where a hole was closed.
+/// Asserts that the field is continuous, also where a hole was closed.
 fn assert_continuous(field: &DistanceField, band: f32) {
     let steepest = steepest(field, band);
     assert!(steepest <= 1.001, "neighbors differ by {steepest} voxels");
@@ -63,8 +63,7 @@ fn overlapping_spheres_are_their_union() {
             }
         }
         if union < -0.01 {
-            // The distance is at least that to the nearer sphere from within, less half a voxel each for the seam
-            // and for the lower bound.
+            // Half a voxel each for the seam and for the lower bound.
             assert!(value < 0.0 && value < union + voxel + 0.01, "{p}: {value}, {union}: a buried surface is left");
         }
     }
@@ -145,7 +144,7 @@ fn a_tangle_is_measured_right_outside_and_the_work_on_its_inside_ends() {
     let mut random = SplitMix(7);
     for (count, is_tangled) in [(12, false), (600, true)] {
         let mut place = || Vec3::from_array([0; 3].map(|_| random.unit() as f32));
-        // Tetrahedra that are wound outward, everywhere through each other.
+        // Intersecting tetrahedra, wound outward.
         let bodies: Vec<[Vec3; 4]> = (0..count)
             .map(|_| {
                 let [a, b, c, d] = [place(), place(), place(), place()];
@@ -164,7 +163,7 @@ fn a_tangle_is_measured_right_outside_and_the_work_on_its_inside_ends() {
             let is_inside = bodies.iter().any(|body| heights(body).iter().all(|height| *height < 0.0));
             let distance = brute_force(&mesh, p);
             assert!((value < 0.0) == is_inside || distance < 1e-4, "{p}: {value}");
-            // A piece at a seam is dropped whose four samples are buried: half a voxel long, it may reach out a little.
+            // A dropped piece at a seam, half a voxel long, may reach out a little.
             let error = (f64::from(value) - distance).abs() / f64::from(field.grid.spacing.x);
             assert!(is_inside || error <= 0.25, "{p}: {value}, off by {error} voxels");
         }

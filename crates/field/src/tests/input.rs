@@ -1,4 +1,4 @@
-//! What is refused, and what must not panic.
+//! Invalid and extreme input.
 
 use super::*;
 use crate::FieldError;

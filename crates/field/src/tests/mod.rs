@@ -1,4 +1,4 @@
-//! Facts about distance fields, against brute force and closed forms.
+//! Distance fields against brute force and closed forms.
 
 mod broken;
 mod closest;
@@ -13,7 +13,7 @@ use glam::{DVec3, Mat3, Vec3};
 use shape::{Mesh, Shape};
 use std::collections::HashMap;
 
-/// The field of a mesh: `resolution` samples, margin and band in world units.
+/// The field of a mesh; margin and band in world units.
 fn field_of(mesh: &Mesh, resolution: u32, margin: f32, band: f32) -> (DistanceField, FieldReport) {
     transform(&Shape::Mesh(mesh.clone()), &Request { resolution, margin, band, iso: 0.0, shell: 0.0 }, &|_| {}).unwrap()
 }
@@ -76,7 +76,7 @@ fn torus(major: f32, minor: f32, around: u32, across: u32) -> Mesh {
     Mesh { positions, triangles, ..Mesh::default() }
 }
 
-/// Two meshes as one.
+/// The union of two meshes.
 fn join(a: &Mesh, b: &Mesh) -> Mesh {
     let offset = a.positions.len() as u32;
     let mut joined = a.clone();
@@ -139,7 +139,7 @@ fn distance_squared(p: DVec3, a: DVec3, b: DVec3, c: DVec3) -> f64 {
     (ap - ab * (vb / sum) - ac * (vc / sum)).length_squared()
 }
 
-/// Every sample with its index and world position.
+/// Index, world position and value of every sample.
 fn samples(field: &DistanceField) -> impl Iterator<Item = ([u32; 3], Vec3, f32)> + '_ {
     let [nx, ny, _] = field.grid.size;
     field.values.iter().enumerate().map(move |(i, &value)| {
@@ -148,7 +148,7 @@ fn samples(field: &DistanceField) -> impl Iterator<Item = ([u32; 3], Vec3, f32)>
     })
 }
 
-/// Largest difference between neighbors of which at least one is in the band, in voxels: 1 for a distance.
+/// Largest difference between neighbors in the band, in voxels: 1 for a distance.
 fn steepest(field: &DistanceField, band: f32) -> f32 {
     let mut worst = 0.0f32;
     for ([i, j, k], _, value) in samples(field) {

@@ -1,4 +1,4 @@
-//! Scalar volumes on grids that are turned, sheared or mirrored: the field is that of the object, however it was sampled.
+//! Scalar volumes on rotated, sheared and mirrored grids.
 
 use super::*;
 use crate::FieldError;
@@ -9,7 +9,7 @@ use shape::{Content, Volume};
 struct Ellipsoid(DVec3);
 
 impl Ellipsoid {
-    /// What is sampled: 0 on the surface, positive inside.
+    /// Sampled function: 0 on the surface, positive inside.
     fn level(&self, p: DVec3) -> f64 {
         1.0 - (p / self.0).length()
     }
@@ -17,7 +17,7 @@ impl Ellipsoid {
     /// Signed distance of a point near the surface: the closest point x has p - x along the normal of x (D. Eberly,
     /// "Distance from a point to an ellipsoid", 2013).
     fn distance(&self, p: DVec3) -> f64 {
-        let p = p + 1e-7; // beside the planes of symmetry, where the normal would not tell the side
+        let p = p + 1e-7; // off the planes of symmetry, where the normal does not tell the side
         let squares = self.0 * self.0;
         let closest = |t: f64| squares * p / (squares + t);
         let (mut low, mut high) = (-squares.min_element(), p.length() * self.0.max_element());
@@ -29,9 +29,9 @@ impl Ellipsoid {
     }
 }
 
-/// The ellipsoid on a grid with these steps that covers it and some more.
+/// The ellipsoid sampled on a grid with these steps that covers it.
 fn scan(ellipsoid: &Ellipsoid, steps: DMat3) -> Volume {
-    let steps = steps.as_mat3().as_dmat3(); // as the volume holds them
+    let steps = steps.as_mat3().as_dmat3(); // as stored in the volume
     let rows = steps.inverse().transpose();
     let reach = |row: DVec3| (1.1 * (row * ellipsoid.0).length()).ceil();
     let half = DVec3::new(reach(rows.x_axis), reach(rows.y_axis), reach(rows.z_axis));
@@ -44,7 +44,7 @@ fn scan(ellipsoid: &Ellipsoid, steps: DMat3) -> Volume {
     Volume { size, origin, steps: steps.as_mat3(), values, content: Content::Scalar }
 }
 
-/// Turned around a slanted axis, sheared, of uneven steps; a step of one is so long.
+/// Rotated and sheared steps of uneven length, about `step`.
 fn slanted(step: f64) -> DMat3 {
     let turn = DMat3::from_axis_angle(DVec3::new(1.0, -2.0, 0.5).normalize(), 0.7);
     let shear = DMat3::from_cols(DVec3::X, DVec3::new(0.25, 1.0, 0.0), DVec3::new(-0.1, 0.2, 1.0));
@@ -59,7 +59,7 @@ fn the_field_of_a_scan_does_not_depend_on_how_its_grid_stands() {
         let mirrored = slanted * DMat3::from_diagonal(DVec3::new(1.0, -1.0, 1.0));
         for steps in [DMat3::from_diagonal(DVec3::splat(step)), slanted, mirrored] {
             let volume = scan(&ellipsoid, steps);
-            // Chords over a step miss the surface by the square of the step, which is little next to these voxels.
+            // The error of chords is the square of the step, little next to these voxels.
             let request = Request { resolution: 12, margin: 0.1, band: 0.4, iso: 0.0, shell: 0.0 };
             let is_aligned = volume.is_aligned();
             let (field, _) = transform(&Shape::Volume(volume), &request, &|_| {}).unwrap();

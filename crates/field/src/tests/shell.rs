@@ -1,4 +1,4 @@
-//! Shells: what is near a surface, whether that encloses anything or not.
+//! Shells around open and closed surfaces.
 
 use super::*;
 use crate::{FieldError, transform_with_closest};
@@ -6,7 +6,7 @@ use shape::{Content, Solid, Volume};
 
 const REQUEST: Request = Request { resolution: 40, margin: 0.2, band: 0.25, iso: 0.0, shell: 0.3 };
 
-/// Asserts that the field is the distance to a surface less half of the shell, and that closest points lie on the shell.
+/// Asserts that the field is the distance to a surface minus half of the shell, and that closest points lie on the shell.
 fn assert_shell(shape: &Shape, off: f64, distance: impl Fn(DVec3) -> f64) {
     let (field, closest, report) = transform_with_closest(shape, &REQUEST, &|_| ()).unwrap();
     let (grid, half, voxel) = (field.grid, f64::from(0.5 * REQUEST.shell), f64::from(field.grid.spacing.x));
@@ -28,7 +28,7 @@ fn assert_shell(shape: &Shape, off: f64, distance: impl Fn(DVec3) -> f64) {
                 "{at}: {found} {exact}"
             );
         }
-        // In the middle a closest point is on either side; elsewhere the point is where the field says.
+        // On the surface itself the closest point may be on either side of the shell.
         let point = closest.points[index as usize].as_dvec3();
         let is_off = (distance(point) - half).abs() > 0.26 * voxel + off;
         wrong += u32::from(is_off && distance(at) > off + 1e-3);
@@ -40,7 +40,7 @@ fn assert_shell(shape: &Shape, off: f64, distance: impl Fn(DVec3) -> f64) {
 #[test]
 fn an_open_square_becomes_a_plate() {
     let positions = [[-1.0, -0.5], [1.0, -0.5], [1.0, 0.5], [-1.0, 0.5]].map(|[x, y]| Vec3::new(x, y, 0.1)).to_vec();
-    // Wound against each other: a shell has no use for their order.
+    // Inconsistently wound, which does not matter to a shell.
     let mesh = Mesh { positions, triangles: vec![[0, 1, 2], [0, 3, 2]], ..Mesh::default() };
     assert_shell(&Shape::Mesh(mesh), 0.0, |p| {
         let beyond = (p.abs() - DVec3::new(1.0, 0.5, 0.0)).with_z(p.z - 0.1);
@@ -57,7 +57,7 @@ fn what_is_closed_becomes_hollow() {
     let values = (0..size.iter().product()).map(|i| 0.8 - place(i).length()).collect();
     let (origin, steps) = (Vec3::splat(-1.0), Mat3::from_diagonal(Vec3::splat(0.05)));
     let volume = Volume { size, origin, steps, values, content: Content::Scalar };
-    // Between its samples the ball is flat.
+    // The interpolated ball is flat between samples.
     assert_shell(&Shape::Volume(volume), 2e-3, far);
 }
 

@@ -11,7 +11,7 @@ use hypertexture::{field, shape};
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
 use support::random::SplitMix;
-use support::watch::own_processor_time;
+use support::watchdog::own_processor_time;
 
 /// All times of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

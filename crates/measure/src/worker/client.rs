@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
-use support::watch::{Excess, Watch, end, memory};
+use support::watchdog::{Excess, Watchdog, describe, memory};
 
 /// Processor time allowed for a picture of any size: device, object, pipeline.
 pub const PATIENCE: Duration = Duration::from_secs(120);
@@ -149,7 +149,7 @@ impl Process {
 
     /// Sends a line and waits for the answer; the error describes the end of the process.
     fn ask(&mut self, text: &str, patience: Duration) -> Result<(Answer, Vec<[f32; 4]>), String> {
-        let mut watch = Watch::new(self.child.id(), patience, PEAK_MEMORY);
+        let mut watch = Watchdog::new(self.child.id(), patience, PEAK_MEMORY);
         let _ = self.input.write_all(text.as_bytes()); // a failure shows in the end of the process
         loop {
             match self.answers.recv_timeout(POLL) {
@@ -165,7 +165,7 @@ impl Process {
                     None => {}
                 },
                 Err(RecvTimeoutError::Disconnected) => {
-                    let how = self.child.wait().map_or_else(|error| error.to_string(), end);
+                    let how = self.child.wait().map_or_else(|error| error.to_string(), describe);
                     return Err(format!("the driver crashed ({how})"));
                 }
             }

@@ -1,47 +1,46 @@
-//! Formulas of soft booleans: how the objects of a scene make one.
+//! Soft boolean formulas, which combine the objects of a scene.
 //!
 //! `a | b` union, `a & b` intersection, `a - b` difference, `!a` complement, parentheses. `!` binds closest, then `&`;
 //! `|` and `-` are applied from left to right.
 //! Source: PH 2.2.
 
 use std::collections::BTreeMap;
-use std::fmt::Write;
 
-/// A formula.
+/// A soft boolean formula.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Formula {
     /// An object by its name.
     Object(String),
-    /// All that is in neither: PH: 1 - a.
+    /// Complement, 1 - a.
     Not(Box<Formula>),
-    /// What is in both: PH: a b.
+    /// Intersection, a b.
     And(Box<Formula>, Box<Formula>),
-    /// What is in one of them: PH: a + b - a b.
+    /// Union, a + b - a b.
     Or(Box<Formula>, Box<Formula>),
 }
 
-/// Why a text is no formula.
+/// A syntax error in a formula.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{text}`: {reason} at character {at}; write names with | & - ! and parentheses, such as `(a | b) - c`")]
 pub struct FormulaError {
     /// The text.
     pub text: String,
-    /// What is wrong.
+    /// The reason.
     pub reason: String,
-    /// Where, from 1.
+    /// Position in characters, from 1.
     pub at: usize,
 }
 
-/// Formulas may not nest deeper: the parser, and GLSL compilers after it, recurse.
+/// Deepest nesting, since the parser and GLSL compilers recurse.
 const MAX_DEPTH: usize = 64;
-/// Formulas may not be longer: so that no chain nests deeper either.
+/// Most names, since chains nest too.
 const MAX_NAMES: usize = 64;
 
 impl Formula {
     /// Reads a formula.
     ///
     /// # Errors
-    /// [`FormulaError`] with the place.
+    /// [`FormulaError`] with its position.
     pub fn parse(text: &str) -> Result<Formula, FormulaError> {
         let mut parser = Parser { text, at: 0, depth: 0, names: 0 };
         let formula = parser.sum()?;
@@ -51,7 +50,7 @@ impl Formula {
         }
     }
 
-    /// The objects by name, and whether one of its occurrences adds matter; others only take matter away.
+    /// The objects by name, and whether any of their occurrences adds matter. Others only remove matter.
     pub fn objects(&self) -> BTreeMap<&str, bool> {
         let mut found = BTreeMap::new();
         self.visit(true, &mut |name, adds| *found.entry(name).or_insert(false) |= adds);
@@ -69,8 +68,8 @@ impl Formula {
         }
     }
 
-    /// What holds of the whole: `of` an object, and of two parts together where both (`and`) or one of them (`or`) is.
-    /// `None` stands for everything, which a complement may be.
+    /// Bound of the formula, from bounds of objects (`of`), intersections (`and`) and unions (`or`). `None` is unbounded, as
+    /// complements are.
     pub fn bound<T>(&self, of: &impl Fn(&str) -> T, and: &impl Fn(T, T) -> T, or: &impl Fn(T, T) -> T) -> Option<T> {
         match self {
             Formula::Object(name) => Some(of(name)),
@@ -93,7 +92,7 @@ impl Formula {
     fn write(&self, out: &mut String) {
         let (name, operands): (&str, &[&Formula]) = match self {
             Formula::Object(name) => {
-                write!(out, "soft_{name}").expect("writing to a string");
+                *out += &format!("soft_{name}");
                 return;
             }
             Formula::Not(a) => ("complement", &[a]),
@@ -121,7 +120,7 @@ impl Parser<'_> {
         FormulaError { text: self.text.into(), reason: reason.into(), at: self.text[..self.at].chars().count() + 1 }
     }
 
-    /// The next character that is not a space.
+    /// The next character after white space.
     fn peek(&mut self) -> Option<char> {
         let rest = &self.text[self.at..];
         self.at += rest.len() - rest.trim_start().len();
@@ -205,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_said_with_its_place() {
+    fn errors_have_a_position() {
         for (text, expected) in [
             ("", "`` : a name is missing at character 1"),
             ("a |", "a name is missing at character 4"),
@@ -221,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bound_of_the_whole_is_made_of_those_of_the_objects() {
+    fn bounds_combine() {
         let bound = |text: &str| {
             let of = |name: &str| if name == "a" { 1 } else { 2 };
             Formula::parse(text).unwrap().bound(&of, &i32::min, &i32::max)

@@ -1,16 +1,14 @@
-//! Modules that note what they give that is no number, for programs that are evaluated and never drawn; and modules that
-//! are asked for another place than they were, for pictures that must not change by it.
+//! Instrumented modules: for NaN and infinity reports of evaluated programs, and for tests of invariance under translation.
 
 use super::library::Library;
 use super::names::{rename, words};
 use std::collections::BTreeSet;
-use std::fmt::Write;
 
-/// Location of the output of `watch.glsl`.
+/// Output location of `watch.glsl`.
 pub const FAULT: u32 = 7;
 
-/// What a value of a type is made of.
-const PARTS: [(&str, &[&str]); 5] = [
+/// Components of each type.
+const COMPONENTS: [(&str, &[&str]); 5] = [
     ("float", &[""]),
     ("vec2", &[".x", ".y"]),
     ("vec3", &[".x", ".y", ".z"]),
@@ -19,7 +17,7 @@ const PARTS: [(&str, &[&str]); 5] = [
 ];
 
 impl Library {
-    /// The same library, in which these files note what their functions give to others. Their numbers start at 1.
+    /// Instruments files to report NaN and infinity in results and output parameters. Files are numbered from 1.
     pub fn watched<'a>(&self, paths: impl IntoIterator<Item = &'a str>) -> Library {
         let file = |(path, text): (&str, &str)| (path.to_string(), text.to_string());
         let noting =
@@ -27,13 +25,13 @@ impl Library {
         self.with_sources(self.sources().map(file).chain(noting.collect::<Vec<_>>()))
     }
 
-    /// The same library, in which the functions of some files, chosen by path, whose first parameter is a `vec3` get
-    /// another one: GLSL such as `place + vec3(1.0)`.
+    /// Translates the first parameter, if a `vec3`, of all functions in the selected files to a GLSL expression such as
+    /// `place + vec3(1.0)`.
     pub fn moved(&self, is_moved: impl Fn(&str) -> bool, place: &str) -> Library {
         self.with_texts(|path, text| if is_moved(path) { moved(text, place) } else { text.into() })
     }
 
-    /// The same library with another value of a constant that one of its files defines.
+    /// Replaces the value of a constant.
     pub fn with_constant(&self, name: &str, value: &str) -> Library {
         let head = format!(" {name} = ");
         self.with_texts(|_, text| match text.split_once(&head) {
@@ -45,8 +43,7 @@ impl Library {
         })
     }
 
-    /// The head of a function that a module must have and has not, as the other modules of its slot have it, and the names of
-    /// those that it has.
+    /// The signature of a function that a module lacks, from the other modules of its slot, and the names of its own functions.
     pub fn lacking(&self, path: &str) -> Option<(String, Vec<&str>)> {
         let (slot, name) = path.strip_suffix(".glsl")?.split_once('/')?;
         let own = functions(self.source(path)?);
@@ -55,7 +52,7 @@ impl Library {
         let (first, heads) = others.next()??;
         let rest: Vec<_> = others.collect::<Option<_>>()?;
         let has = |functions: &[Function<'_>], name: &str| functions.iter().any(|function| function.name == name);
-        // Some are called by the name of their file, others by one name for all of the slot.
+        // Functions have the name of their file in some slots, and a common name in others.
         let is_named = has(&heads, first) && rest.iter().all(|(other, functions)| has(functions, other));
         let is_called = |name: &str| {
             self.sources().any(|(path, text)| path.split('/').next() != Some(slot) && words(text).contains(&name))
@@ -77,12 +74,12 @@ impl Library {
     }
 }
 
-/// A text whose functions go by other names, and behind it those that call them and note what they give.
+/// Renames the functions of a text and appends reporting wrappers.
 fn watched(text: &str, number: usize) -> String {
     let suffix = format!("_of_{number}");
     let (mut own, mut heads) = (functions(text), BTreeSet::new());
-    // One that two branches of `#if` define is written twice.
-    own.retain(|function| !given(function).is_empty() && heads.insert(function.declared()));
+    // Two branches of `#if` may define a function twice.
+    own.retain(|function| !outputs(function).is_empty() && heads.insert(function.declared()));
     let mut out = renamed(text, &own, &suffix) + "\n#include \"watch.glsl\"\n";
     for function in &own {
         let Function { kind, name, .. } = function;
@@ -90,16 +87,16 @@ fn watched(text: &str, number: usize) -> String {
         let is_void = *kind == "void";
         let (before, after) =
             if is_void { (String::new(), "") } else { (format!("{kind} given = "), "    return given;\n") };
-        writeln!(out, "{} {{\n    {before}{call};", function.declared()).expect("writing to a string");
-        for value in given(function) {
-            writeln!(out, "    note_fault({number}.0, {value});").expect("writing to a string");
+        out += &format!("{} {{\n    {before}{call};\n", function.declared());
+        for value in outputs(function) {
+            out += &format!("    note_fault({number}.0, {value});\n");
         }
-        writeln!(out, "{after}}}").expect("writing to a string");
+        out += &format!("{after}}}\n");
     }
     out
 }
 
-/// A text whose functions of a place go by other names, and behind it those that call them with another place.
+/// Renames the functions of a place and appends translating wrappers.
 fn moved(text: &str, place: &str) -> String {
     const SUFFIX: &str = "_of_place";
     let own: Vec<_> = functions(text).into_iter().filter(Function::is_of_place).collect();
@@ -108,55 +105,54 @@ fn moved(text: &str, place: &str) -> String {
         let mut passed: Vec<String> = function.passed().iter().map(|name| name.to_string()).collect();
         passed[0] = place.replace("place", &passed[0]);
         let call = format!("{}{SUFFIX}({})", function.name, passed.join(", "));
-        writeln!(out, "\n{} {{ return {call}; }}", function.declared()).expect("writing to a string");
+        out += &format!("\n{} {{ return {call}; }}\n", function.declared());
     }
     out
 }
 
-/// A text with a suffix at the names of these functions.
+/// Appends a suffix to the names of functions.
 fn renamed(text: &str, functions: &[Function<'_>], suffix: &str) -> String {
     let names: BTreeSet<String> = functions.iter().map(|function| function.name.to_string()).collect();
     rename(text, &names, suffix)
 }
 
-/// A function that a text defines.
+/// A function definition.
 #[derive(Clone)]
 struct Function<'a> {
-    /// The type of its result.
+    /// Type of the result.
     kind: &'a str,
-    /// Its name.
     name: &'a str,
-    /// The words of each parameter: its name is the last.
+    /// Words of each parameter, the last of which is its name.
     parameters: Vec<Vec<&'a str>>,
 }
 
 impl<'a> Function<'a> {
-    /// Its head.
+    /// Signature.
     fn declared(&self) -> String {
         let parameters: Vec<String> = self.parameters.iter().map(|words| words.join(" ")).collect();
         format!("{} {}({})", self.kind, self.name, parameters.join(", "))
     }
 
-    /// The types of its result and of its parameters.
+    /// Types of the result and of the parameters.
     fn types(&self) -> Vec<&str> {
         let is_type = |word: &&&str| !["const", "in", "out", "inout"].contains(*word);
         let of = |words: &Vec<&'a str>| words.iter().find(is_type).copied().unwrap_or_default();
         std::iter::once(self.kind).chain(self.parameters.iter().map(of)).collect()
     }
 
-    /// The names of its parameters.
+    /// Names of the parameters.
     fn passed(&self) -> Vec<&str> {
         self.parameters.iter().filter_map(|words| words.last().copied()).collect()
     }
 
-    /// Whether it gives something of a place, or of a direction: its first parameter.
+    /// Whether the first parameter is a place or a direction.
     fn is_of_place(&self) -> bool {
         let is_place = |words: &Vec<&str>| matches!(words.as_slice(), ["vec3", _] | ["const", "vec3", _]);
         self.kind != "void" && self.parameters.first().is_some_and(is_place)
     }
 }
 
-/// The functions that a text defines.
+/// All function definitions of a text.
 fn functions(text: &str) -> Vec<Function<'_>> {
     let words = words(text);
     let (mut found, mut braces) = (Vec::new(), 0);
@@ -182,14 +178,14 @@ fn functions(text: &str) -> Vec<Function<'_>> {
     found
 }
 
-/// The numbers that a function gives: its result, and what it writes into its parameters.
-fn given(function: &Function<'_>) -> Vec<String> {
+/// Components of the result and of the output parameters.
+fn outputs(function: &Function<'_>) -> Vec<String> {
     let written = function.parameters.iter().filter_map(|words| match words.as_slice() {
         ["out" | "inout", kind, name] => Some((*kind, *name)),
         _ => None,
     });
     let parts = |(kind, name): (&str, &str)| {
-        let parts = PARTS.iter().find(|(known, _)| *known == kind).map_or(&[][..], |(_, parts)| parts);
+        let parts = COMPONENTS.iter().find(|(known, _)| *known == kind).map_or(&[][..], |(_, parts)| parts);
         parts.iter().map(|part| format!("{name}{part}")).collect::<Vec<_>>()
     };
     written.chain([(function.kind, "given")]).flat_map(parts).collect()
@@ -200,7 +196,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_a_module_gives_to_others_is_noted_and_its_lines_stay() {
+    fn reporting_wrappers_keep_line_numbers() {
         let text = "// Moves.\nfloat half_of(float t) { return 0.5 * t; }\n\
                     void mine(inout vec2 x, const in float t, Sample s) {\n    x += half_of(t);\n}\nSample none(Sample s) { return s; }\n";
         let expected = "// Moves.\nfloat half_of_of_3(float t) { return 0.5 * t; }\n\
@@ -212,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn a_module_is_asked_for_another_place_and_its_lines_stay() {
+    fn translating_wrappers_keep_line_numbers() {
         let text = "#define A\nuint mask() { return 3u; }\nfloat noise(vec3 p) { return f(p, mask()); }\n\
                     vec4 noise_gradient(const vec3 q, float t) { return vec4(noise(q) * t); }\nvoid put(vec3 p) {}\n";
         let expected = "#define A\nuint mask() { return 3u; }\nfloat noise_of_place(vec3 p) { return f(p, mask()); }\n\
@@ -223,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn the_function_that_a_module_lacks_is_named() {
+    fn a_missing_function_is_named() {
         let shipped = crate::shipped();
         for slot in
             ["dmf", "warp", "mask", "medium", "opacity", "softness", "noise", "turbulence", "surface", "project"]
@@ -247,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn a_constant_has_another_value_where_it_is_defined() {
+    fn a_constant_is_replaced() {
         let file = |text: &str| Library::new([("a.frag".to_string(), text.to_string())]);
         let text = "const float FAR = 3.0;   // widths\nfloat f() { return 2.0 * FAR; }\n";
         let other = file(text).with_constant("FAR", "6.0");

@@ -1,43 +1,42 @@
-//! What a process takes.
+//! Resource use of processes, and limits on it.
 //!
-//! Invariant: what it may take is time of the processor, so that a machine with much else to do refuses nothing.
+//! Invariant: time limits are of processor time, so that a busy machine refuses nothing.
 
 use std::process::ExitStatus;
 use std::time::{Duration, Instant};
 
-/// How many times as long as its processor time a process may rest, such as in a deadlock or for another program's sake.
-const PATIENT: u32 = 3;
+/// Idle time that a process may spend, over its limit of processor time: in a deadlock, or waiting for others.
+const IDLE_FACTOR: u32 = 3;
 
-/// Watches over the processor time and the memory of a process, from now on.
-pub struct Watch {
+/// Monitors the processor time and the memory of a process.
+pub struct Watchdog {
     id: u32,
     limit: Duration,
-    /// Bytes of memory that it may hold.
+    /// Limit of memory in bytes.
     memory: u64,
-    /// Its processor time when the watch began, where the system says it.
+    /// Processor time at the start, if known.
     before: Option<Duration>,
-    /// The processor time last seen, and when it was first seen.
+    /// The last processor time read, and when it was first read.
     seen: (Option<Duration>, Instant),
 }
 
-/// What a process has taken more of than it may.
+/// The limit that a process exceeds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Excess {
-    /// Time of the processor; or it rests for three times as long.
+    /// Processor time, or idle time.
     Time,
     /// Memory.
     Memory,
 }
 
-impl Watch {
-    /// Watches over the process of that number.
-    pub fn new(id: u32, limit: Duration, memory: u64) -> Watch {
+impl Watchdog {
+    /// Monitors the process `id` from here on.
+    pub fn new(id: u32, limit: Duration, memory: u64) -> Watchdog {
         let before = processor_time(id);
-        Watch { id, limit, memory, before, seen: (before, Instant::now()) }
+        Watchdog { id, limit, memory, before, seen: (before, Instant::now()) }
     }
 
-    /// What the process has taken more of than it may. Where the system does not say what it has taken, all of its time is
-    /// rest.
+    /// The limit that the process exceeds. All its time counts as idle where the system does not report processor time.
     pub fn excess(&mut self) -> Option<Excess> {
         let now = processor_time(self.id);
         if now != self.seen.0 {
@@ -47,22 +46,22 @@ impl Watch {
         if memory(self.id).is_some_and(|bytes| bytes > self.memory) {
             Some(Excess::Memory)
         } else {
-            (taken > self.limit || self.seen.1.elapsed() > self.limit * PATIENT).then_some(Excess::Time)
+            (taken > self.limit || self.seen.1.elapsed() > self.limit * IDLE_FACTOR).then_some(Excess::Time)
         }
     }
 }
 
-/// Time of the processor that a process has taken, in steps of 10 ms.
+/// Processor time of a process, in steps of 10 ms.
 pub fn processor_time(id: u32) -> Option<Duration> {
-    // The name of the program comes first, in parentheses, and may hold anything. The times are in 1/100 s on Linux,
-    // whatever the clock of the kernel; other systems have no such file.
+    // The program's name, in parentheses, may contain anything. Linux gives times in 1/100 s whatever the kernel's clock;
+    // other systems have no such file.
     let text = std::fs::read_to_string(format!("/proc/{id}/stat")).ok()?;
     let mut fields = text.rsplit_once(')')?.1.split_whitespace().skip(11);
     let mut ticks = || fields.next()?.parse::<u64>().ok();
     Some(Duration::from_millis(10 * (ticks()? + ticks()?)))
 }
 
-/// Time of the processors that this process has taken so far, all threads, user and system; where the system says.
+/// Processor time of this process, of all threads, user and system, if known.
 pub fn own_processor_time() -> Option<Duration> {
     #[cfg(unix)]
     {
@@ -74,15 +73,15 @@ pub fn own_processor_time() -> Option<Duration> {
     None
 }
 
-/// Bytes of memory that a process holds, where the system says.
+/// Resident memory of a process in bytes, if known.
 pub fn memory(id: u32) -> Option<u64> {
     const PAGE: u64 = 4096; // or more
     let text = std::fs::read_to_string(format!("/proc/{id}/statm")).ok()?;
     text.split(' ').nth(1)?.parse::<u64>().ok().map(|pages| pages * PAGE)
 }
 
-/// How a process ended.
-pub fn end(status: ExitStatus) -> String {
+/// How a process ended, as text.
+pub fn describe(status: ExitStatus) -> String {
     #[cfg(unix)]
     if let Some(signal) = std::os::unix::process::ExitStatusExt::signal(&status) {
         return format!("signal {signal}");
@@ -102,8 +101,8 @@ mod tests {
         Command::new("sh").args(["-c", script]).stdin(Stdio::null()).spawn().unwrap()
     }
 
-    /// Whether a child is late before it has taken so much processor time, or has rested for the wall time.
-    fn late_before(child: &mut Child, watch: &mut Watch, done: impl Fn(Duration) -> bool) -> bool {
+    /// Whether a child exceeds its time before `done` holds of its processor time.
+    fn late_before(child: &mut Child, watch: &mut Watchdog, done: impl Fn(Duration) -> bool) -> bool {
         loop {
             if watch.excess() == Some(Excess::Time) {
                 return true;
@@ -119,8 +118,8 @@ mod tests {
     fn a_child_is_late_by_the_time_of_the_processor_and_not_of_the_wall() {
         let mut busy = shell("while :; do :; done");
         let second = Duration::from_secs(1);
-        // However long it waits for the processor: before a second of it is taken, it is not late; soon after, it is.
-        let mut watch = Watch::new(busy.id(), second, u64::MAX);
+        // Late soon after a second of processor time and not before, however long it waits for the processor.
+        let mut watch = Watchdog::new(busy.id(), second, u64::MAX);
         let nearly = Duration::from_millis(900);
         let early = late_before(&mut busy, &mut watch, |taken| taken >= nearly);
         let late = late_before(&mut busy, &mut watch, |taken| taken > 2 * second);
@@ -137,21 +136,21 @@ mod tests {
             std::hint::black_box((0..1000).sum::<u64>());
         }
         let (system, own, later) = (coarse(), own_processor_time().unwrap(), coarse());
-        let step = Duration::from_millis(20); // one, and what is rounded
+        let step = Duration::from_millis(20); // with a rounding
         assert!(own + step > system && own < later + step, "{system:?} {own:?} {later:?}");
         assert_ne!(own.subsec_nanos() % 1_000_000, 0, "finer than a millisecond");
     }
 
     #[test]
-    fn the_memory_of_a_process_is_what_it_holds() {
-        // Of a child: this process frees what other tests held.
+    fn resident_memory_is_measured() {
+        // A child, since other tests free memory of this process.
         let held = |script: &str| {
             let mut child = Command::new("sh");
             let mut child = child.args(["-c", script]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
             let mut line = String::new();
             BufReader::new(child.stdout.as_mut().unwrap()).read_line(&mut line).unwrap();
             let held = memory(child.id()).unwrap();
-            let excess = |memory| Watch::new(child.id(), Duration::from_secs(1), memory).excess();
+            let excess = |memory| Watchdog::new(child.id(), Duration::from_secs(1), memory).excess();
             assert_eq!((excess(held / 2), excess(2 * held)), (Some(Excess::Memory), None));
             child.kill().unwrap();
             child.wait().unwrap();
@@ -164,7 +163,7 @@ mod tests {
     #[test]
     fn a_child_that_rests_for_ever_is_late() {
         let mut resting = shell("exec sleep 1000");
-        let mut watch = Watch::new(resting.id(), Duration::from_millis(50), u64::MAX);
+        let mut watch = Watchdog::new(resting.id(), Duration::from_millis(50), u64::MAX);
         let late = late_before(&mut resting, &mut watch, |_| false);
         resting.kill().unwrap();
         resting.wait().unwrap();

@@ -1,0 +1,163 @@
+//! Linking user modules in a child process under limits.
+//!
+//! Role: glslang crashes on an expression of 20 000 terms and never ends on a macro that doubles thirty times, so user text is
+//! compiled by this program with a hidden command: it links a [`Job`] and answers with the programs.
+
+use super::allowed::refusal;
+use super::ask::{Answer, Failure, Trial, read, reply};
+use super::error::{CompileError, Fault, MAX_SOURCE};
+use crate::shader::{self, Library, LinkError, Linker, Slots, Stage};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::io::{self, Read, Write};
+use std::path::Path;
+use support::child::Limits;
+
+/// The hidden command.
+pub const COMMAND: &str = "compile";
+
+/// A request to link programs.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Job {
+    /// Files that differ from the shipped ones: path relative to the `glsl` folder, and text.
+    pub changed: BTreeMap<String, String>,
+    /// The programs to link.
+    pub programs: Vec<Wanted>,
+}
+
+/// One program to link.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Wanted {
+    /// Entry files: vertex stage, fragment stage.
+    pub entries: [String; 2],
+    /// The modules by slot.
+    pub slots: Slots,
+    /// Whether the optimizer runs.
+    pub is_optimized: bool,
+}
+
+/// SPIR-V of vertex and fragment stage.
+type Stages = [Vec<u32>; 2];
+
+/// Links the programs of a job in a child process that runs `program`, the hypertexture executable. The child is killed once
+/// `is_stale`, which is polled, returns true.
+///
+/// # Errors
+/// [`CompileError`], whatever the text does to the compiler.
+pub fn compile(
+    program: &Path,
+    job: &Job,
+    limits: &Limits,
+    is_stale: &dyn Fn() -> bool,
+) -> Result<Vec<Stages>, CompileError> {
+    check_lengths(&job.changed)?;
+    let (seconds, memory) = (limits.time.as_secs().max(1).to_string(), limits.memory_mib.to_string());
+    let trial = Trial {
+        program,
+        arguments: &[COMMAND, "--seconds", &seconds, "--memory-mib", &memory],
+        device: None,
+        limits,
+        failed: |_, failure| compiler(failure),
+    };
+    match trial.ask(job, is_stale)? {
+        Answer::Good(programs) => Ok(programs),
+        Answer::Bad(text) if text == LinkError::Memory.to_string() => Err(CompileError::Memory(limits.memory_mib)),
+        Answer::Bad(text) | Answer::Untried(text) => Err(CompileError::Refused(text)),
+    }
+}
+
+/// Checks that no text is too long.
+pub fn check_lengths(changed: &BTreeMap<String, String>) -> Result<(), CompileError> {
+    match changed.iter().find(|(_, text)| text.len() > MAX_SOURCE) {
+        Some((path, text)) => Err(CompileError::Long { path: path.clone(), bytes: text.len() }),
+        None => Ok(()),
+    }
+}
+
+/// The error for a failure of the compiler.
+pub fn compiler(failure: Failure) -> CompileError {
+    match failure {
+        Failure::Crashed(how) => CompileError::Crashed(how),
+        Failure::Late(seconds) => CompileError::Late(seconds),
+        Failure::Large(mib) => CompileError::Memory(mib),
+    }
+}
+
+/// Child's side: reads a job, links its programs and answers.
+///
+/// # Errors
+/// The job cannot be read, or the answer not be written.
+pub fn serve(input: impl Read, output: &mut impl Write) -> io::Result<()> {
+    let job: Job = read(input)?;
+    reply(output, &link(&job).map_or_else(|error| Answer::Bad(error.to_string()), Answer::Good))
+}
+
+/// The changed files as a list for messages.
+pub fn names(changed: &BTreeMap<String, String>) -> String {
+    changed.keys().cloned().collect::<Vec<_>>().join(", ")
+}
+
+fn link(job: &Job) -> Result<Vec<Stages>, LinkError> {
+    let library = shader::shipped_with(job.changed.clone());
+    let program = |wanted: &Wanted| {
+        let linker = if wanted.is_optimized { Linker::new()? } else { Linker::new()?.unoptimized() };
+        let entries = wanted.entries.each_ref().map(String::as_str);
+        link_allowed(&linker, &library, entries, &wanted.slots, || names(&job.changed))
+    };
+    job.programs.iter().map(program).collect()
+}
+
+/// Links both stages of a program and applies the restrictions on user text; `names` lists the files of that text.
+pub fn link_allowed(
+    linker: &Linker,
+    library: &Library,
+    entries: [&str; 2],
+    slots: &Slots,
+    names: impl FnOnce() -> String,
+) -> Result<Stages, LinkError> {
+    let link = |index: usize, stage| linker.link(library, entries[index], stage, &entries, slots);
+    let stages = link(0, Stage::Vertex).and_then(|vertex| Ok([vertex, link(1, Stage::Fragment)?]));
+    let stages = stages.map_err(|error| missing(library, slots, error))?;
+    match stages.iter().find_map(|module| refusal(module)) {
+        Some(refusal) => Err(LinkError::Compile(format!("{}: {refusal}", names()))),
+        None => Ok(stages),
+    }
+}
+
+/// Explains a missing function. The compiler reports it in generated text or in a shipped file.
+fn missing(library: &Library, slots: &Slots, error: LinkError) -> LinkError {
+    let LinkError::Compile(message) = &error else { return error };
+    let files = slots.iter().filter_map(|(key, names)| library.files(key.rsplit('.').next()?, names).ok());
+    let files: Vec<String> = files.flatten().map(|file| file.split('#').next().unwrap_or_default().into()).collect();
+    let is_changed = |file: &String| shader::shipped().source(file) != library.source(file);
+    if Fault::all(message).into_iter().any(|fault| fault.at.is_some_and(|(file, _)| is_changed(&file))) {
+        return error;
+    }
+    let lacking = files.iter().filter(|file| is_changed(file)).find_map(|file| Some((file, library.lacking(file)?)));
+    match lacking {
+        None => error,
+        Some((file, (head, found))) => {
+            let found = if found.is_empty() { "no function".into() } else { found.join(", ") };
+            LinkError::Compile(format!("{file}: it has no `{head}`, by which it is called; it has {found}"))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn faults_have_file_and_line_where_the_message_names_them() {
+        let message = "dmf/fur.glsl:12: error: 'qq' : undeclared identifier\nstone:dmf/fire.glsl#2:3: error: '' : \
+                       compilation terminated \n2 errors generated.";
+        let faults = Fault::all(message);
+        assert_eq!(faults.len(), 2);
+        assert_eq!(faults[0].at, Some(("dmf/fur.glsl".into(), 12)));
+        assert_eq!(faults[0].text, "error: 'qq' : undeclared identifier");
+        assert_eq!(faults[1].at, Some(("dmf/fire.glsl".into(), 3)));
+        assert_eq!(Fault::all("no module `x`"), [Fault { at: None, text: "no module `x`".into() }]);
+    }
+}
