@@ -4,7 +4,7 @@
 // MEETS(matter, k) adds that of the sample k steps behind the first slice, ENDS is whether nothing behind is asked for, and
 // GIVES is the result.
 vec4 color = vec4(1.0);
-const float CUT_SHORT = -10000.0;       // in place of what the device did not let a ray finish; see src/render/prepared.rs
+const float CUT_SHORT = -10000.0;       // in place of what the device did not let a ray finish; see src/render/frame/prepared.rs
 bool follows = false;                   // the sample taken last is one step nearer to the eye
 mat3 ray_basis;                         // along the ray and to two sides, unit vectors, eye space
 #include <projection>

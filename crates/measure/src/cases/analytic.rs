@@ -1,7 +1,7 @@
 //! Pictures with a closed form of every pixel, and how their error falls with the number of samples.
 
+use super::lab::{Lab, Row};
 use super::rays::{Ray, rays};
-use super::run::{Lab, Row};
 use hypertexture::gpu::Gpu;
 use hypertexture::render::{RenderError, Renderer, Subject};
 use hypertexture::scene::{Pass, Projection, Scene};

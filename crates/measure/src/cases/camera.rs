@@ -1,8 +1,8 @@
 //! Wide views, an eye inside the matter, and whole turns of the camera.
 
 use super::closed_forms::slab;
+use super::lab::{CaseError, Lab, PASSES, Rows, same};
 use super::rays::{Ray, rays};
-use super::run::{CaseError, Lab, PASSES, Rows, same};
 use super::scenes::{box_subject, homogeneous, sphere};
 use glam::{DVec3, Vec3};
 use hypertexture::render::Subject;

@@ -1,7 +1,7 @@
 //! Unions, undefined GLSL, unbounded matter, bad voxels, open meshes and codes of colors.
 
 use super::function::Function;
-use super::run::{CaseError, Lab, Rows};
+use super::lab::{CaseError, Lab, Rows};
 use super::scenes::{homogeneous, indices};
 use glam::Vec3;
 use hypertexture::field::{self, Request};

@@ -1,7 +1,7 @@
 //! Precision of stored distances and normals, filters, grids of unusual sizes, and scans of any unit.
 
+use super::lab::{CaseError, Lab, PASSES, Rows};
 use super::rays::rays;
-use super::run::{CaseError, Lab, PASSES, Rows};
 use super::scenes::{box_subject, face, face_subject, homogeneous, indices, sampled};
 use glam::{DVec3, Mat3, UVec3, Vec3};
 use hypertexture::field::{self, Request};

@@ -1,6 +1,6 @@
 //! A GLSL function, evaluated at 4096 places on the device.
 
-use super::run::{CaseError, Lab};
+use super::lab::{CaseError, Lab};
 use hypertexture::gpu::{
     Binding, BindingKind, Blend, Buffer, BufferUse, Dimension, Format, Gpu, Image, ImageUse, Load, Marks, Pipeline,
     PipelineDescription, Resource, Target,

@@ -1,7 +1,7 @@
 //! Changes of a scene that must not change its picture.
 
 use super::analytic::Level;
-use super::run::{CaseError, Lab, PASSES, Row, Rows, same};
+use super::lab::{CaseError, Lab, PASSES, Row, Rows, same};
 use super::scenes::{SLAB, box_subject, homogeneous};
 use hypertexture::render::Frame;
 use hypertexture::scene::{EmptySpace, Pass, Projection, Scene, preset};

@@ -2,8 +2,8 @@
 
 use super::analytic::Level;
 use super::closed_forms::{fish_eye, luneburg_miss};
+use super::lab::{CaseError, Lab, Row, Rows};
 use super::rays::{Ray, rays};
-use super::run::{CaseError, Lab, Row, Rows};
 use glam::{DMat3, DVec3};
 use hypertexture::gpu::Gpu;
 use hypertexture::render::{RenderError, Renderer, Subject};

@@ -1,8 +1,8 @@
 //! Soft and hard balls, thin and dense matter, many slices, and formats of the target.
 
 use super::closed_forms::{SoftBall, slab};
+use super::lab::{CaseError, Known, Lab, PASSES, Rows, same};
 use super::rays::{Ray, rays};
-use super::run::{CaseError, Known, Lab, PASSES, Rows, same};
 use super::scenes::{SLAB, SLANT, box_subject, homogeneous, slab_scene, sphere};
 use hypertexture::render::{Frame, Subject};
 use hypertexture::scene::{Integration, Pass, Projection, Scene, TargetFormat};

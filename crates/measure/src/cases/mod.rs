@@ -11,6 +11,7 @@ mod data;
 mod fields;
 mod function;
 mod invariances;
+mod lab;
 mod lenses;
 mod list;
 mod matter;
@@ -30,9 +31,10 @@ pub use analytic_scenes::{
     COLOR_BY_DEPTH, HOMOGENEOUS, PERLIN_BALLS, SLANTED, SOFT_BALLS, TWO_TONE, TWO_TONES, library, two_tone,
 };
 pub use closed_forms::luneburg_miss;
+pub use lab::{CaseError, Lab, PASSES, Report, Row, Rows, same};
 pub use lenses::{clear, exit_rays};
 pub use list::{CASES, suite};
 pub use rays::{Ray, rays};
 pub use report::{chart_page, table};
-pub use run::{Case, CaseError, Lab, Measure, PASSES, Report, Row, Rows, Suite, run, same};
+pub use run::{Case, Measure, Suite, run};
 pub use scenes::{box_subject, homogeneous};

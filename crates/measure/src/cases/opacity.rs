@@ -4,8 +4,8 @@ use super::analytic::{levels, order};
 use super::analytic_scenes::{TWO_TONE, two_tone};
 use super::closed_forms::SoftBall;
 use super::function::Function;
+use super::lab::{CaseError, Known, Lab, Rows};
 use super::rays::Ray;
-use super::run::{CaseError, Known, Lab, Rows};
 use super::scenes::sphere;
 use hypertexture::scene::{Integration, Pass};
 

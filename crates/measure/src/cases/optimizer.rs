@@ -1,8 +1,8 @@
 //! Functions with and without spirv-opt.
 
 use super::function::Function;
+use super::lab::{CaseError, Lab, Rows};
 use super::noise;
-use super::run::{CaseError, Lab, Rows};
 use hypertexture::shader::Linker;
 
 /// Both agree, bit for bit where the function is `precise`.

@@ -1,22 +1,10 @@
 //! The table of a report, and its page with error against stiffness.
 
-use super::run::{Report, Row};
+use super::lab::{Report, Row};
 use crate::compare::report::page::{circumstances, escape, whole};
 use std::fmt::Write;
 
 const HEAD: [&str; 8] = ["case", "what", "setting", "expected", "found", "error", "bound", ""];
-
-/// A number with six decimals, or in scientific notation if it is small or large.
-pub(super) fn number(value: f64) -> String {
-    match value.abs() {
-        0.0 => "0".into(),
-        1e-3..1e4 => {
-            let text = format!("{value:.6}");
-            text.trim_end_matches('0').trim_end_matches('.').to_string()
-        }
-        _ => format!("{value:.3e}"),
-    }
-}
 
 fn short(value: f64) -> String {
     if value == 0.0 { "0".into() } else { format!("{value:.1e}") }

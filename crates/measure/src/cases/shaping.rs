@@ -1,7 +1,7 @@
 //! Bias and gain, where an exponent is 0 or infinite.
 
 use super::function::Function;
-use super::run::{CaseError, Lab, Rows};
+use super::lab::{CaseError, Lab, Rows};
 
 /// Distance of the clamped parameter from 0 and 1.
 const HELD: f64 = 1.0 / 1024.0;

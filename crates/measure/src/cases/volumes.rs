@@ -1,8 +1,8 @@
 //! Distances interpolated between voxels, and lattice noise.
 
 use super::analytic::Level;
+use super::lab::{CaseError, Lab, PASSES, Row, Rows};
 use super::rays::rays;
-use super::run::{CaseError, Lab, PASSES, Row, Rows};
 use super::scenes::{face, face_subject, sampled};
 use glam::DVec3;
 use hypertexture::render::Frame;

@@ -7,6 +7,9 @@ use hypertexture::scene::{EmptySpace, Filter, Integration, Order, Pass, Scene};
 use hypertexture::shader::Library;
 use std::collections::BTreeSet;
 
+/// Fewest and most samples of a candidate.
+pub(super) const SAMPLES: [u32; 2] = [8, 4096];
+
 /// The candidates of a scene without their samples.
 pub(super) struct Families {
     pub(super) kept: Vec<Candidate>,
@@ -18,7 +21,7 @@ pub(super) struct Families {
 /// `filters`: by both filters, where that of the device may be off.
 pub(super) fn families(scene: &Scene, library: &Library, error: f64, filters: bool) -> Result<Families, CompareError> {
     let truth = truth_of(scene, library)?;
-    let sweep = Sweep { samples: Some(vec![super::search::SAMPLES[0]]), filters, ..Sweep::default() };
+    let sweep = Sweep { samples: Some(vec![SAMPLES[0]]), filters, ..Sweep::default() };
     let mut families = Families { kept: Vec::new(), left_out: 0 };
     let mut known = BTreeSet::new();
     let mut refused = None;

@@ -1,7 +1,7 @@
 //! Small pictures of the candidates, and the one that is worth a whole picture next.
 
 use super::bound::{ErrorBound, PickError, Verified};
-use super::candidates::{Families, with_samples};
+use super::candidates::{Families, SAMPLES, with_samples};
 use super::reference_sample::{ReferenceSample, draw};
 use crate::compare::candidates::{Candidate, Curve};
 use crate::compare::{CompareError, Session};
@@ -12,8 +12,6 @@ use hypertexture::scene::{Pass, Scene, TargetFormat};
 use hypertexture::shader::Library;
 use std::time::{Duration, Instant};
 
-/// Fewest and most samples of a candidate.
-pub(super) const SAMPLES: [u32; 2] = [8, 4096];
 /// Longest side of a small picture, pixels. Lower: few pixels meet an edge. Higher: small pictures take longer than whole ones.
 const SMALL: u32 = 96;
 /// Pixels of the small picture that are held against the reference.
