@@ -7,7 +7,7 @@ settings! {
     pub struct Quality = "quality." {
         /// Method of sampling: rays or slices.
         pass: Pass = Pass::March => Images, Kind::Choice(Pass::CHOICES), flag("pass");
-        /// Slices, or samples of a ray, through the bounding sphere of the object.
+        /// Slices, or samples of a ray, through the bounding sphere.
         samples: u32 = 256 => Picture, whole(1.0, 100_000.0), usual(1.0, 4096.0), flag("samples");
         /// Integration along a ray.
         integration: Integration = Integration::Point => Images, Kind::Choice(Integration::CHOICES), flag("integration");

@@ -31,7 +31,7 @@ pub struct Bench {
     /// Also writes all times into this file.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Reports which rows got slower or faster than in this file, written by --json on the same device. The exit code is 1 if
+    /// Compare with this file, written by --json on the same device. The exit code is 1 if
     /// a row got slower.
     #[arg(long, value_name = "FILE")]
     baseline: Option<PathBuf>,

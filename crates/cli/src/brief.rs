@@ -119,8 +119,8 @@ fn shown(command: Command, flags: &[&str], examples: [&str; 2]) -> Command {
         argument.help(brief(&help)).long_help(help).hide_short_help(!is_shown)
     });
     let help = |name, action| Arg::new(name).long(name).action(action);
-    let short = help("help", ArgAction::HelpShort).short('h').help("Print this help");
-    let long = help("help-all", ArgAction::HelpLong).help("Print every option");
+    let short = help("help", ArgAction::HelpShort).short('h').help("Print this help; --help-all prints every option");
+    let long = help("help-all", ArgAction::HelpLong).hide_short_help(true).help("Print every option");
     let command = command.disable_help_flag(true).arg(short).arg(long);
     command.about(brief(&about)).long_about(about).after_help(examples)
 }

@@ -25,7 +25,7 @@ pub struct Convert {
     /// Type of values without a header: uint8, int8, uint16, int16, uint32, int32, uint64, int64, float32 or float64.
     #[arg(long = "type", requires = "dims", value_name = "TYPE")]
     pub kind: Option<SampleType>,
-    /// Byte order of values without a header.
+    /// Byte order of the values.
     #[arg(long, requires = "dims", value_parser = ["little", "big"], default_value = "little")]
     pub endian: String,
     /// Distance of neighboring values along x, y and z, world units.

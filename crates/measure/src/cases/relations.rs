@@ -1,7 +1,7 @@
 //! Relations between pictures of presets, and warnings.
 
+use super::lab::number;
 use super::lab::{CaseError, Lab, Rows, same};
-use super::report::number;
 use crate::statistics::{largest, rms_difference};
 use hypertexture::render::{RenderError, warnings};
 use hypertexture::scene::{Effect, EmptySpace, ParameterValue, Scene, preset};

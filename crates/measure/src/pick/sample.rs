@@ -142,7 +142,7 @@ mod tests {
         for square in (0..10).map(|place| 1000 * place + 77) {
             (scores[square], few[square]) = (0.5 * share, share);
         }
-        for ((scores, values), most) in [(even, 1.4), (heavy, 6.0), ((scores, few), 1.9)] {
+        for ((scores, values), most) in [(even, 1.5), (heavy, 9.0), ((scores, few), 2.6)] {
             let (broken, median, estimate) = bounds(&scores, &values);
             assert!(broken <= 2, "{broken} of 400 bounds are broken");
             assert!(median < most, "{median} times the truth");
