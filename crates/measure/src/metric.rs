@@ -1,13 +1,13 @@
-//! How far a picture is from its truth: the one definition of every error that is stated.
+//! Errors of a picture against its reference: the one definition of every error that the program states.
 //!
-//! All of premultiplied linear RGBA, in which light adds up: 1 is white, or opaque. Each pixel counts as often as its
-//! weight says, so that some of them may stand for all.
+//! All errors are of premultiplied linear RGBA, in which light adds up: 1 is white, or opaque. Pixels have weights, so that
+//! a sample of them may stand for all.
 
 use super::statistics::{largest, weighted_quantile, weighted_rms};
 use serde::Serialize;
 use std::fmt;
 
-/// The part of the pixels that [`Errors::p999`] leaves out.
+/// Fraction of the pixels above [`Errors::p999`].
 pub(super) const ABOVE: f64 = 1e-3;
 
 /// One of the [`Errors`].
@@ -47,19 +47,19 @@ impl fmt::Display for Metric {
     }
 }
 
-/// Pixels of a picture that are NaN or infinite.
+/// Count of the NaN or infinite pixels of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NotFinite {
-    /// How many, by any of their channels.
+    /// Pixels with any such channel.
     pub pixels: usize,
-    /// Of how many.
+    /// All pixels of the picture.
     pub all: usize,
-    /// The first of them, from the top left.
+    /// Coordinates of the first such pixel, from the top left.
     pub first: [usize; 2],
 }
 
 impl NotFinite {
-    /// Those of a picture, row by row from the top, if there are any.
+    /// Counts the pixels of a picture, row by row from the top; `None` if all are finite.
     pub fn of(pixels: &[[f32; 4]], width: u32) -> Option<NotFinite> {
         let is_bad = |pixel: &&[f32; 4]| pixel.iter().any(|channel| !channel.is_finite());
         let first = pixels.iter().position(|pixel| is_bad(&pixel))?;
@@ -75,25 +75,25 @@ impl fmt::Display for NotFinite {
     }
 }
 
-/// How far a picture is from its truth; NaN or infinite where one of them is not finite.
+/// Errors of a picture against its reference; NaN or infinite if either is not finite.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Errors {
     /// Root mean square over the four channels of all pixels.
     pub rmse: f64,
-    /// The same over the pixels alone in which the picture or its truth is not clear: no background dilutes it.
+    /// Root mean square over the pixels in which the picture or its reference is not clear, undiluted by the background.
     pub covered_rmse: f64,
     /// Root mean square over R, G and B of all pixels.
     pub rgb_rmse: f64,
     /// Root mean square over the opacity of all pixels.
     pub opacity_rmse: f64,
-    /// The largest difference of any channel.
+    /// Largest difference of any channel.
     pub max: f64,
-    /// What 99.9 % of the pixels stay below in their worst channel.
+    /// 99.9th percentile over the pixels of the difference of their worst channel.
     pub p999: f64,
 }
 
 impl Errors {
-    /// Of pixels, each as found, as it is in truth, and with its weight.
+    /// Errors of pixels, each a triple of the found value, the reference and a weight.
     pub fn of(pixels: impl Iterator<Item = ([f64; 4], [f64; 4], f64)>) -> Errors {
         let pixels: Vec<([f64; 4], bool, f64)> = pixels
             .map(|(found, truth, weight)| {
@@ -117,12 +117,12 @@ impl Errors {
         }
     }
 
-    /// Of all pixels of a picture.
+    /// Errors of all pixels of a picture.
     pub fn between(found: &[[f32; 4]], truth: &[[f64; 4]]) -> Errors {
         Errors::of(found.iter().zip(truth).map(|(found, truth)| (found.map(f64::from), *truth, 1.0)))
     }
 
-    /// Each so many times as large.
+    /// All errors multiplied by a factor.
     pub fn scaled(&self, times: f64) -> Errors {
         let Errors { rmse, covered_rmse, rgb_rmse, opacity_rmse, max, p999 } = *self;
         let [rmse, covered_rmse, rgb_rmse] = [rmse, covered_rmse, rgb_rmse].map(|error| times * error);
@@ -130,7 +130,7 @@ impl Errors {
         Errors { rmse, covered_rmse, rgb_rmse, opacity_rmse, max, p999 }
     }
 
-    /// The one that a metric names.
+    /// The error of a metric.
     pub fn by(&self, metric: Metric) -> f64 {
         match metric {
             Metric::Rmse => self.rmse,

@@ -1,29 +1,29 @@
 //! Means, root mean squares and quantiles of errors.
 
-/// The mean; NaN of nothing.
+/// Mean; NaN without values.
 pub fn mean(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
     sum / count
 }
 
-/// The largest of values that are not negative; 0 of nothing, NaN where one is.
+/// Largest of nonnegative values; 0 without values, NaN if one is NaN.
 pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(0.0, |most, value| if value > most || value.is_nan() { value } else { most })
 }
 
-/// A number above 0 with two digits, rounded up: a bound stays one where it is shown.
+/// Positive number rounded up to two digits, so that a printed bound stays valid.
 pub fn rounded_up(number: f64) -> f64 {
     let shown = |number: f64| format!("{number:.1e}").parse().unwrap_or(number);
     let near: f64 = shown(number);
     if near < number { shown(near + 10f64.powf(number.log10().floor() - 1.0)) } else { near }
 }
 
-/// Root of the mean square; 0 of nothing.
+/// Root mean square; 0 without values.
 pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
     weighted_rms(values.map(|value| (value, 1.0)))
 }
 
-/// The same of values with weights.
+/// Weighted root mean square; 0 without values.
 pub fn weighted_rms(values: impl Iterator<Item = (f64, f64)>) -> f64 {
     let (sum, count) = values.fold((0.0, 0.0), |(sum, count), (value, w)| (sum + w * value * value, count + w));
     if count == 0.0 { 0.0 } else { (sum / count).sqrt() }
@@ -34,14 +34,14 @@ pub fn rms_difference(a: &[[f32; 4]], b: &[[f32; 4]]) -> f64 {
     rms(a.as_flattened().iter().zip(b.as_flattened()).map(|(a, b)| f64::from(*a) - f64::from(*b)))
 }
 
-/// The smallest value that this share of all does not exceed; 0 of nothing.
+/// Smallest value that a share of all values does not exceed; 0 without values.
 pub fn quantile(mut values: Vec<f64>, share: f64) -> f64 {
     values.sort_by(f64::total_cmp);
     let rank = (share * values.len() as f64).ceil() as usize;
     values.get(rank.saturating_sub(1)).copied().unwrap_or_default()
 }
 
-/// Of values with weights, the smallest that no more than this share of the weight exceeds; 0 of nothing.
+/// Smallest value that at most a share `above` of the weight exceeds; 0 without values.
 pub fn weighted_quantile(mut values: Vec<(f64, f64)>, above: f64) -> f64 {
     values.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut above = above * values.iter().map(|(_, weight)| weight).sum::<f64>();

@@ -1,13 +1,13 @@
-//! Fronts, orders and floors: what a cloud of points of error and run time says.
+//! Pareto fronts of error and run time, and observed orders of convergence.
 
 use serde::Serialize;
 
-/// A gain in error per doubling of the samples below 2^this is none: the curve has met its floor.
+/// Least order between two samples of a curve that falls; below, the curve is at its floor.
 const SATURATED: f64 = 0.25;
 /// Two-sided 95 % quantiles of Student's t, by degrees of freedom from 1 on.
 const STUDENT: [f64; 10] = [12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228];
 
-/// The indices of the points (time, error) that none other beats in one and meets in the other, by rising time.
+/// Indices of the points (time, error) on the Pareto front, by rising time.
 pub fn front(points: &[(f64, f64)]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..points.len()).collect();
     order.sort_by(|&a, &b| points[a].0.total_cmp(&points[b].0).then(points[a].1.total_cmp(&points[b].1)));
@@ -20,37 +20,36 @@ pub fn front(points: &[(f64, f64)]) -> Vec<usize> {
     order
 }
 
-/// The index of the fastest point (time, error) within an error.
+/// Index of the fastest point (time, error) within an error.
 pub fn cheapest(points: &[(f64, f64)], error: f64) -> Option<usize> {
     let within = (0..points.len()).filter(|&index| points[index].1 <= error);
     within.min_by(|&a, &b| points[a].0.total_cmp(&points[b].0))
 }
 
-/// How the error of a curve falls with its samples.
+/// Observed order of convergence of a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Order {
-    /// The error falls like samples^-order, by least squares of the logarithms.
+    /// Exponent of samples^-order, by least squares of the logarithms.
     pub order: f64,
-    /// Half the width of its 95 % interval; `None` of two points, which leave no residual.
+    /// Half the width of its 95 % interval; `None` for two points, which leave no residual.
     pub plus_minus: Option<f64>,
-    /// Points of the fit, from the coarsest on.
+    /// Number of fitted points, from the coarsest on.
     pub points: usize,
-    /// The least error of the curve, if more samples no longer help.
+    /// Least error of the curve, if it is at its floor.
     pub floor: Option<f64>,
 }
 
-/// The order of the error between two points (samples, error) of a curve.
+/// Order between two points (samples, error) of a curve.
 fn gain(pair: &[(f64, f64)]) -> f64 {
     (pair[0].1 / pair[1].1).ln() / (pair[1].0 / pair[0].0).ln()
 }
 
-/// Whether the last samples of a curve of (samples, error) still helped, so that more may.
+/// Whether a curve of (samples, error) still falls at its end.
 pub fn still_falls(curve: &[(f64, f64)]) -> bool {
     curve.windows(2).next_back().is_some_and(|pair| gain(pair) >= SATURATED)
 }
 
-/// The order of a curve of (samples, error), by rising samples; of the part above its floor. `None` if that has fewer
-/// than two points.
+/// Order of the part of a curve of (samples, error) above its floor, by rising samples. `None` for fewer than two points.
 pub fn order(curve: &[(f64, f64)]) -> Option<Order> {
     let falling = curve.windows(2).take_while(|pair| gain(pair) >= SATURATED).count() + 1;
     let floor = (falling < curve.len()).then(|| curve.iter().map(|point| point.1).fold(f64::INFINITY, f64::min));
@@ -76,7 +75,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_front_holds_what_nothing_beats() {
+    fn a_front_holds_the_points_that_no_other_beats() {
         let points = [(3.0, 0.1), (1.0, 1.0), (2.0, 1.0), (4.0, 0.1), (2.5, 0.2), (5.0, 0.01), (1.0, 2.0)];
         assert_eq!(front(&points), [1, 4, 0, 5]);
         assert_eq!(front(&[]), [0usize; 0]);
@@ -110,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn a_floor_ends_the_fit_and_is_told() {
+    fn a_floor_ends_the_fit_and_is_stated() {
         let curve = [(16.0, 0.08), (32.0, 0.04), (64.0, 0.02), (128.0, 0.0199), (256.0, 0.0198)];
         let found = order(&curve).unwrap();
         assert!((found.order - 1.0).abs() < 1e-12);

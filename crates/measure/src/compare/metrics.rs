@@ -1,6 +1,5 @@
-//! Metrics: how far a picture is from its reference.
-//!
-//! Linear light where errors add up, the encoded picture (sRGB over the background) where a person looks at it.
+//! Errors of a picture against its reference: of linear light, and of the encoded picture (sRGB over the background) as a
+//! person sees it.
 
 use super::ssim::ssim;
 use crate::metric::Errors;
@@ -10,21 +9,21 @@ use hypertexture::scene::{Color, linear_to_srgb};
 use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, flip};
 use serde::Serialize;
 
-/// The implementation of FLIP: its values differ a little between implementations and platforms.
+/// Implementation of FLIP, whose values differ slightly between implementations and platforms.
 pub const FLIP: &str = "nv-flip 0.1.2, 67 pixels per degree";
-/// Keeps the relative error of dark pixels bounded.
+/// Bounds the relative error of dark pixels.
 const RELATIVE_EPSILON: f64 = 1e-2;
 
-/// How far a picture is from its reference.
+/// Errors of a picture against its reference.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Metrics {
-    /// Of premultiplied linear RGBA.
+    /// Errors of premultiplied linear RGBA.
     #[serde(flatten)]
     pub errors: Errors,
-    /// Its root mean square against a reference of the octaves alone that the candidate's turbulence has, as far as it can
-    /// hold them; `None` where there is no such reference.
+    /// Root mean square error against a reference with only the octaves of the candidate's turbulence; `None` without such
+    /// a reference.
     pub own_rmse: Option<f64>,
-    /// Mean of d^2 / (t^2 + 0.01) over R, G and B, d the error and t the truth.
+    /// Mean of d^2 / (t^2 + 0.01) over R, G and B, d the error and t the reference.
     pub relative_mse: f64,
     /// Peak signal-to-noise ratio of the encoded picture, dB; infinite for equal pictures.
     pub psnr: f64,
@@ -32,15 +31,14 @@ pub struct Metrics {
     pub ssim: f64,
     /// Mean of FLIP, 0 to 1.
     pub flip: f64,
-    /// The FLIP that 99 % of the pixels do not exceed.
+    /// 99th percentile of FLIP.
     pub flip_p99: f64,
-    /// Channels that are not finite: must be 0.
+    /// Number of channels that are NaN or infinite.
     pub not_finite: usize,
 }
 
 impl Metrics {
-    /// Holds a picture (premultiplied linear RGBA) against a reference of the same size; `background` is what a person
-    /// would see it over.
+    /// Compares a picture (premultiplied linear RGBA) with a reference of the same size, over a background where encoded.
     pub fn of(pixels: &[[f32; 4]], reference: &Reference, background: Color) -> Metrics {
         let truth = &reference.pixels;
         let errors = Errors::between(pixels, truth);
@@ -65,17 +63,17 @@ impl Metrics {
     }
 }
 
-/// Largest and typical angle between the normals of two pictures.
+/// Angles between the normals of two pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Angles {
     /// Mean angle, degrees.
     pub mean: f64,
-    /// The angle that 99 % of the pixels do not exceed, degrees.
+    /// 99th percentile of the angle, degrees.
     pub p99: f64,
 }
 
-/// The angles between the normals of two pictures of look `normals` (colors 0.5 + 0.5 n) where both show a surface;
-/// `None` where they have none in common.
+/// Angles between the normals of two pictures (colors 0.5 + 0.5 n) in the pixels where both show a surface; `None` without
+/// such pixels.
 pub fn normal_angles(found: &[[f32; 4]], truth: &[[f32; 4]]) -> Option<Angles> {
     let normal = |pixel: &[f32; 4]| {
         let opaque = pixel[3] > 0.999;
@@ -84,14 +82,14 @@ pub fn normal_angles(found: &[[f32; 4]], truth: &[[f32; 4]]) -> Option<Angles> {
     let dot = |a: [f64; 3], b: [f64; 3]| (0..3).map(|c| a[c] * b[c]).sum::<f64>();
     let cross =
         |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|c| a[(c + 1) % 3] * b[(c + 2) % 3] - a[(c + 2) % 3] * b[(c + 1) % 3]);
-    // Not by the arc cosine, which has no digits left at small angles.
+    // The arc cosine would lose all digits at small angles.
     let angle = |(a, b): ([f64; 3], [f64; 3])| dot(cross(a, b), cross(a, b)).sqrt().atan2(dot(a, b)).to_degrees();
     let angles: Vec<f64> =
         found.iter().zip(truth).filter_map(|(a, b)| Some((normal(a)?, normal(b)?))).map(angle).collect();
     (!angles.is_empty()).then(|| Angles { mean: mean(angles.iter().copied()), p99: quantile(angles, 0.99) })
 }
 
-/// The sRGB codes in \[0, 1\] of premultiplied linear pixels over a background.
+/// sRGB codes in \[0, 1\] of premultiplied linear pixels over a background.
 pub fn encode(pixels: &[[f64; 4]], background: Color) -> Vec<[f64; 3]> {
     let behind = background.linear().map(f64::from);
     let code = |linear: f64| f64::from(linear_to_srgb(linear.clamp(0.0, 1.0) as f32));
@@ -103,7 +101,7 @@ pub fn bytes(codes: &[[f64; 3]]) -> Vec<u8> {
     codes.as_flattened().iter().map(|code| (code * 255.0).round() as u8).collect()
 }
 
-/// Lightness of encoded pixels, with the weights of ITU-R BT.601 as is usual for SSIM.
+/// Luma of encoded pixels with the weights of ITU-R BT.601, as is usual for SSIM.
 fn luma(codes: &[[f64; 3]]) -> Vec<f64> {
     codes.iter().map(|[r, g, b]| 0.299 * r + 0.587 * g + 0.114 * b).collect()
 }
@@ -131,7 +129,7 @@ mod tests {
     const BLACK: Color = Color([0; 3]);
 
     #[test]
-    fn a_picture_is_not_far_from_itself() {
+    fn a_picture_has_no_error_against_itself() {
         let truth = reference([16, 16], |i| [f64::from(i) / 512.0, 0.25, 0.5, 1.0]);
         let m = Metrics::of(&single(&truth.pixels), &truth, BLACK);
         assert_eq!((m.errors, m.flip, m.not_finite), (Errors::default(), 0.0, 0));

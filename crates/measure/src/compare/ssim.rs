@@ -1,4 +1,4 @@
-//! SSIM, the structural similarity of two pictures.
+//! SSIM, structural similarity of two pictures.
 //!
 //! Source: Wang, Bovik, Sheikh and Simoncelli 2004, with their constants: a Gaussian window of 11 x 11 pixels and a
 //! deviation of 1.5, K1 = 0.01, K2 = 0.03. Deviation from it: at the edges of the picture the window is cut and its
@@ -8,13 +8,12 @@
 const REACH: usize = 5;
 /// Standard deviation of the window, pixels.
 const DEVIATION: f64 = 1.5;
-/// Keeps the quotient of small means bounded: (K1 L)^2 with a range L of 1.
+/// Bounds the quotient of small means: (K1 L)^2 with a range L of 1.
 const C1: f64 = 0.01 * 0.01;
-/// The same for small variances.
+/// Bounds the quotient of small variances: (K2 L)^2.
 const C2: f64 = 0.03 * 0.03;
 
-/// The mean structural similarity of two pictures of one channel, row by row, values in \[0, 1\]; 1 if they are equal,
-/// -1 at the least.
+/// Mean structural similarity, in \[-1, 1\], of two pictures of one channel, row by row, with values in \[0, 1\].
 pub fn ssim(a: &[f64], b: &[f64], width: usize) -> f64 {
     let squares = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a * b).collect() };
     let [mean_a, mean_b] = [a, b].map(|values| blur(values, width));
@@ -31,14 +30,14 @@ pub fn ssim(a: &[f64], b: &[f64], width: usize) -> f64 {
     sum / a.len() as f64
 }
 
-/// The Gaussian mean around each pixel: along the rows, then along the columns.
+/// Gaussian mean around each pixel: along the rows, then along the columns.
 fn blur(values: &[f64], width: usize) -> Vec<f64> {
     let height = values.len() / width;
     let rows = pass(values, width, |index| (index % width, width, 1));
     pass(&rows, width, |index| (index / width, height, width))
 }
 
-/// One direction of the mean: `place` gives the coordinate of an index, how many there are, and the stride.
+/// Gaussian mean along one direction; `place` returns the coordinate of an index, the extent and the stride.
 fn pass(values: &[f64], width: usize, place: impl Fn(usize) -> (usize, usize, usize)) -> Vec<f64> {
     debug_assert_eq!(values.len() % width, 0);
     let weight = |offset: usize| (-0.5 * (offset as f64 / DEVIATION).powi(2)).exp();

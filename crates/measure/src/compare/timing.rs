@@ -1,47 +1,47 @@
-//! Timing: repeated, interleaved, and told with its spread.
+//! Spread of repeated runs, and their order.
 //!
-//! Runs of all candidates of a batch are mixed in random order, so that a machine that slows down for a while slows all
-//! of them alike. Nothing is dropped.
+//! Runs of all candidates of a batch are mixed in random order, so that a slow moment of the machine slows all alike. No
+//! run is dropped.
 
 use crate::statistics::quantile;
 use serde::{Deserialize, Serialize};
 use support::random::SplitMix;
 
-/// A run is unsteady if its 95th percentile exceeds the median by this factor.
+/// Factor of the 95th percentile above the median from which on times are unsteady.
 const UNSTEADY: f64 = 1.25;
 /// Confidence of the interval around a median.
 const CONFIDENCE: f64 = 0.95;
-/// The fewest runs whose extremes hold the median with that confidence: 1 - 2 / 2^6 = 0.97.
+/// Fewest runs whose extremes contain the median with a confidence of 95 %: 1 - 2 / 2^6 = 0.97.
 pub const FEWEST_RUNS: usize = 6;
 
-/// One run.
+/// Times of one run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Run {
-    /// Milliseconds on the device, by its timestamps; with the shadow volume, if there is one.
+    /// Milliseconds on the device by its timestamps, shadow volume included.
     pub gpu_ms: f64,
-    /// Milliseconds of the processor, all threads, where the system says; of candidates, where the processor is the device.
+    /// Milliseconds of the processor, all threads, where the processor is the device and the system reports them.
     pub processor_ms: Option<f64>,
-    /// Milliseconds from scene to pixels in memory, wall clock, without compiling.
+    /// Milliseconds of wall clock from scene to pixels in memory, without compiling.
     pub wall_ms: f64,
 }
 
-/// What repeated runs took.
+/// Spread of repeated times.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
     /// Median.
     pub median: f64,
-    /// An interval that holds the true median with a confidence of 95 % from 6 runs on; with fewer, all of the runs.
+    /// Interval of the median with a confidence of 95 % from 6 runs on; with fewer, least and largest time.
     pub interval: [f64; 2],
-    /// Least.
+    /// Least time.
     pub min: f64,
-    /// The 95th percentile.
+    /// 95th percentile.
     pub p95: f64,
-    /// Runs.
+    /// Number of runs.
     pub runs: usize,
 }
 
 impl Spread {
-    /// The spread of some times, of which there is at least one.
+    /// The spread of one time or more.
     pub fn of(times: &[f64]) -> Spread {
         let mut sorted = times.to_vec();
         sorted.sort_by(f64::total_cmp);
@@ -52,21 +52,21 @@ impl Spread {
         Spread { median, interval: [sorted[low], sorted[n - 1 - low]], min: sorted[0], p95, runs: n }
     }
 
-    /// Whether the intervals of both medians have a time in common: which is the faster is then not known.
+    /// Whether the intervals of both medians overlap, so that neither is known to be faster.
     pub fn overlaps(&self, other: &Spread) -> bool {
         self.interval[0] <= other.interval[1] && other.interval[0] <= self.interval[1]
     }
 
-    /// Whether the machine was disturbed.
+    /// Whether the machine was disturbed: the 95th percentile is far above the median.
     pub fn is_unsteady(&self) -> bool {
         self.p95 > UNSTEADY * self.median
     }
 }
 
-/// How many of `n` ordered values lie below the interval of the median: the most k for which fewer than k + 1 of n fair
-/// coins show heads with a probability of at most (1 - confidence) / 2.
+/// Number of `n` ordered values below the interval of the median: the most k for which at most k of n fair coins show
+/// heads with a probability of at most (1 - confidence) / 2.
 fn lower_rank(n: usize) -> usize {
-    let mut term = 0.5f64.powi(n as i32); // of no heads
+    let mut term = 0.5f64.powi(n as i32); // probability of no heads
     let mut tail = term;
     let mut rank = 0;
     while tail <= 0.5 * (1.0 - CONFIDENCE) {
@@ -77,7 +77,7 @@ fn lower_rank(n: usize) -> usize {
     rank.saturating_sub(1)
 }
 
-/// The order of interleaved runs: in each round, everything that has runs left, shuffled.
+/// Order of interleaved runs: in each round, everything with runs left, shuffled.
 pub fn interleave(runs: &[usize], random: &mut SplitMix) -> Vec<usize> {
     let rounds = runs.iter().copied().max().unwrap_or(0);
     let round = |round: usize| {

@@ -1,4 +1,4 @@
-//! The light along one ray, by adaptive quadrature.
+//! Adaptive quadrature of the light along one ray.
 //!
 //! Role: emission and absorption, `dC = (1 - A) c e dt`, `dA = (1 - A) e dt`, from samples of the color c and the
 //! extinction e alone. Each piece of a ray has five samples: Simpson's rule over the whole and over its halves; their
@@ -35,7 +35,7 @@ impl Piece {
         Piece { from, length, samples, extinction, asks: false, fine, error }
     }
 
-    /// No sample found anything.
+    /// Whether all samples are clear.
     fn looks_empty(&self) -> bool {
         self.samples.iter().all(|matter| matter.extinction <= 0.0)
     }
@@ -52,13 +52,13 @@ impl Piece {
         if self.samples[..3].iter().any(|matter| matter.extinction.is_infinite()) { 1 } else { 2 }
     }
 
-    /// It becomes opaque within.
+    /// Whether a sample is opaque.
     fn is_hit(&self) -> bool {
         self.samples.iter().any(|matter| matter.extinction.is_infinite())
     }
 }
 
-/// Bounds of the extinction in a part of a ray.
+/// Bounds of the extinction over a part of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Extinction {
     /// Everywhere in it.
@@ -68,7 +68,7 @@ pub(super) struct Extinction {
 }
 
 impl Extinction {
-    /// Of which nothing is known.
+    /// Bounds that exclude nothing.
     pub(super) const ANY: Extinction = Extinction::within([0.0, f64::INFINITY]);
 
     /// Of which no more is known than this, everywhere.
@@ -103,7 +103,7 @@ pub(super) struct Part {
 }
 
 impl Part {
-    /// The same in pieces of equal length, none longer than that if it is open.
+    /// Splits an open part into equal pieces no longer than `longest`.
     pub(super) fn cut(&self, longest: f64) -> impl Iterator<Item = Part> + use<> {
         let whole = *self;
         let open = whole.extinction.range[0] < whole.extinction.range[1];
@@ -111,14 +111,14 @@ impl Part {
         whole.pieces(count)
     }
 
-    /// The same in so many pieces of equal length.
+    /// Splits the part into `count` pieces of equal length.
     pub(super) fn pieces(self, count: u32) -> impl Iterator<Item = Part> + use<> {
         let length = self.length / f64::from(count);
         let extinction = if count == 1 { self.extinction } else { self.extinction.part() };
         (0..count).map(move |index| Part { from: self.from + f64::from(index) * length, length, extinction })
     }
 
-    /// What is left of it between two depths.
+    /// Intersection of the part with an interval of depths.
     pub(super) fn within(&self, [enters, leaves]: [f64; 2]) -> Option<Part> {
         let (from, to) = (self.from.max(enters), (self.from + self.length).min(leaves));
         (from < to).then_some(Part { from, length: to - from, extinction: self.extinction.part() })
@@ -154,20 +154,20 @@ pub(super) fn undecided(parts: &mut Vec<Part>, shortest: f64) -> Vec<usize> {
 /// A ray cut into pieces, front to back.
 pub(super) struct RayIntegral {
     pieces: Vec<Piece>,
-    /// Light that comes through the pieces, before they are halved.
+    /// Transmittance of the pieces before they are halved.
     left: f64,
-    /// So many bounds more may be asked for.
+    /// Remaining number of bounds.
     bounds: usize,
 }
 
-/// How far pieces are halved.
+/// Limits of the halving of pieces.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
-    /// Nothing is halved for its error where that of the ray is less than this.
+    /// Error of a ray below which none of its pieces is halved for its error.
     pub(super) error: f64,
-    /// Pieces shorter than this stay whole.
+    /// Length below which pieces are not halved.
     pub(super) shortest: f64,
-    /// So many pieces of a ray, at most.
+    /// Most pieces of a ray.
     pub(super) pieces: usize,
 }
 
@@ -176,7 +176,7 @@ pub(super) struct Limits {
 pub(super) const OPEN: f64 = 0.05;
 /// The same of a piece in which samples find nothing.
 const FAINT: f64 = 1e-4;
-/// Light that is fainter than this is not followed.
+/// Transmittance below which a ray ends.
 const DARK: f64 = 1e-8;
 
 /// The rules of a piece agree by chance this many times better than those of the piece beside it. Less: twice the pieces
@@ -219,7 +219,7 @@ impl RayIntegral {
         self.pieces.push(piece);
     }
 
-    /// Whether nothing can be seen behind its pieces.
+    /// Whether nothing behind the pieces is visible.
     pub(super) fn is_dark(&self) -> bool {
         self.left < DARK
     }

@@ -1,4 +1,4 @@
-//! The light of some rays: where matter may be along them, then samples, front to back and ever more where they disagree.
+//! Light of a group of rays: bounds of the matter along them, then adaptive samples from front to back.
 
 use super::integral::{Limits, Part, RayIntegral};
 use super::parts::{Beam, Ray};
@@ -7,14 +7,14 @@ use super::{BOUNDS, ReferenceError, Stop, UNSEEN, go_on};
 use hypertexture::eval;
 use std::collections::HashMap;
 
-/// A ray is not cut into more pieces than this; its error says so then.
+/// Most pieces of a ray; the stated error of a ray that needs more is higher.
 const MOST_PIECES: usize = 8000;
-/// The shortest piece, in depths of the scene: where the surface is, is known to this.
+/// Shortest piece, in depths of the scene: the precision of a surface's depth.
 const SHORTEST: f64 = 1e-8;
-/// Parts of a ray that are sampled first. Fewer: more stages. More: more samples behind what is opaque.
+/// Parts of a ray in the first stage of sampling. Lower: more stages. Higher: more samples behind opaque matter.
 const FIRST: usize = 8;
 
-/// A pixel, how far off it may be, and the opacity that may be overlooked in it.
+/// Premultiplied RGBA, its estimated error, and the opacity that samples may have overlooked.
 pub(super) type Light = ([f64; 4], f64, f64);
 
 /// One ray of so many across, and of so many down, is followed first: what was vain for those beside a ray is not tried again.
@@ -76,7 +76,7 @@ impl Probe {
         Ok(found)
     }
 
-    /// The same of the rays of these pixels.
+    /// Light and error of rays whose possible matter is known.
     fn follow(
         &self,
         (bound, bounds): (&eval::BoundProgram<'_>, &eval::BoundProgram<'_>),

@@ -1,4 +1,4 @@
-//! The truth that a picture is measured against.
+//! Exact pictures of scenes, the ground truth of error measurements.
 //!
 //! Role: the picture of a scene as the limit of ever finer samples, in f64: the scene's own program, evaluated by
 //! [`hypertexture::eval`] and integrated along each ray to a stated error. Invariant: nothing of the formulas is
@@ -26,65 +26,65 @@ use probe::Probe;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Error that a pixel is allowed, unless asked otherwise: a tenth of what pictures are told apart by. Ten times less takes
-/// two to three times as long where noise has a kink at every octave's zeros.
+/// Default error of a pixel: a tenth of the visible difference of two pictures. A tenth of it takes two to three times as
+/// long where noise has a kink at the zeros of every octave.
 pub const TOLERANCE: f64 = 1e-4;
-/// Bounds that are computed of a ray before it is sampled, and after that, at most. Fewer: less is proven. More: rays of
-/// which nothing can be proven take longer.
+/// Most bounds of a ray before it is sampled, and after. Lower: less is proven. Higher: rays whose bounds prove nothing
+/// take longer.
 const BOUNDS: [usize; 2] = [64, 64];
-/// Samples of the truth: they place no sample, but the cap of a clipping plane is 1.5 of their steps thick.
+/// Samples of the exact scene. The quadrature ignores them, but the cap of a clipping plane is 1.5 of their steps thick.
 const SAMPLES: u32 = 16_384;
-/// Pixels whose rays are integrated together, at most. More: their pieces fill the memory.
+/// Largest tile of pixels whose rays are integrated together. Higher: the pieces fill the memory.
 const TILE: [u32; 2] = [16, 8];
-/// The same at least. Fewer: the last few samples fill no vector.
+/// Least number of rays that are integrated together. Lower: the last few samples fill no vector.
 const LEAST: usize = 32;
-/// Groups of such pixels, where that leaves as many in each. Fewer: threads wait for the last group.
+/// Groups of rays, if each has [`LEAST`]. Lower: threads wait for the last group.
 const GROUPS: usize = 16;
 
-/// The truth of a picture, or of some of its pixels.
+/// Exact picture, or some of its pixels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reference {
     /// Width and height of the picture in pixels.
     pub size: [u32; 2],
     /// Premultiplied linear RGBA, row by row from the top, or in the order of the pixels that were asked for.
     pub pixels: Vec<[f64; 4]>,
-    /// For each, how far off its worst channel may be, as far as samples say.
+    /// Estimated error of each pixel's worst channel, from samples.
     pub estimate: Vec<f64>,
-    /// For each, the most opacity that samples may have overlooked: bounds of the extinction leave no more open.
+    /// Upper bound of the opacity that samples overlooked in each pixel, from bounds of the extinction.
     pub open: Vec<f64>,
 }
 
-/// Less opacity than this cannot be seen: a pixel that leaves no more open is proven.
+/// Least visible opacity: a pixel with no more open opacity is proven.
 pub const UNSEEN: f64 = 1e-3;
 
 impl Reference {
-    /// Root mean square of its own error, as far as samples say.
+    /// Root mean square of the estimated errors.
     pub fn error(&self) -> f64 {
         rms(self.estimate.iter().copied())
     }
 
-    /// The same with all the opacity that bounds leave open.
+    /// Root mean square of the errors with all the opacity that bounds leave open.
     pub fn bound(&self) -> f64 {
         rms(self.estimate.iter().zip(&self.open).map(|(estimate, open)| (estimate + open).min(1.0)))
     }
 
-    /// How many pixels bounds prove that samples have overlooked nothing in that can be seen.
+    /// Number of pixels in which bounds prove that samples overlooked nothing visible.
     pub fn proven(&self) -> usize {
         self.open.iter().filter(|open| **open <= UNSEEN).count()
     }
 }
 
-/// Asked whether nobody waits any more.
+/// Whether the caller cancels.
 pub type Stop<'a> = &'a (dyn Fn() -> bool + Sync);
 
 fn go_on(stop: Stop<'_>) -> Result<(), ReferenceError> {
     if stop() { Err(ReferenceError::Stopped) } else { Ok(()) }
 }
 
-/// Why there is no truth.
+/// Error of a reference.
 #[derive(Debug, thiserror::Error)]
 pub enum ReferenceError {
-    /// The scene has no program, or its object cannot be used.
+    /// The scene has no program, or its object is unusable.
     #[error(transparent)]
     Render(#[from] RenderError),
     /// The program cannot be evaluated.
@@ -93,7 +93,7 @@ pub enum ReferenceError {
     /// The picture has no limit.
     #[error("no reference for this scene: {0}")]
     NoLimit(&'static str),
-    /// Nobody waits for it any more.
+    /// The caller cancelled.
     #[error("stopped")]
     Stopped,
 }
@@ -104,19 +104,19 @@ impl From<VariantError> for ReferenceError {
     }
 }
 
-/// The scene whose exact picture is the truth of this one: the same matter, light and camera, with everything that is
-/// there for speed replaced by what it stands for.
+/// The scene whose exact picture is the ground truth of `scene`: its matter, light and camera, with every approximation for
+/// speed replaced by the exact form.
 ///
-/// Scenes with the same truth differ in accuracy alone. Sub-frames stay: they are a part of the camera.
+/// Scenes with equal ground truth differ in accuracy alone. Sub-frames stay: they are a part of the camera.
 ///
 /// # Errors
 /// A module of noise or turbulence does not exist, or its header cannot be read.
 pub fn truth_of(scene: &Scene, library: &Library) -> Result<Scene, LibraryError> {
-    // A ray that bends reads what it reads: no sum of noise may be computed along it.
+    // A bent ray keeps its textures: no sum of noise may be computed along it.
     let bends = scene.effect.ray_path == RayPath::Refracted;
     let mut truth = if bends { converged_settings(scene) } else { converged_settings(&scene.unbaked(library)?) };
     truth.quality.block_format = BlockFormat::Auto;
-    // What is not read makes no difference.
+    // Settings that the program does not read are reset.
     if let Ok(variant) = Variant::of(&truth, library) {
         let (unread, default) = (|slot| !variant.reads(slot), Effect::default());
         // All objects share them.
@@ -143,7 +143,7 @@ pub fn truth_of(scene: &Scene, library: &Library) -> Result<Scene, LibraryError>
     Ok(truth)
 }
 
-/// The scene of which this one is the limit with ever more samples: as [`truth_of`], with its blocks of noise as they are.
+/// The limit of `scene` for ever more samples: like [`truth_of`], but with its blocks of noise.
 pub fn converged_settings(scene: &Scene) -> Scene {
     let mut limit = scene.clone();
     let bends = limit.effect.ray_path == RayPath::Refracted;
@@ -175,7 +175,7 @@ pub fn converged_settings(scene: &Scene) -> Scene {
     limit
 }
 
-/// The truth of a picture, from the cache or computed.
+/// The exact picture of a scene, from the cache or computed.
 ///
 /// Each pixel has an error of about `tolerance`. `progress` is called with the part that is done, and `stop` is asked every
 /// few milliseconds, from any thread.
@@ -202,13 +202,12 @@ pub fn reference(
     Ok(found)
 }
 
-/// Side of the squares of pixels, from the first on, whose light costs no more than that of one of them: rays that bend are
-/// followed by fours.
+/// Side of the squares of pixels that cost as much as a single pixel: bent rays are traced in quads.
 pub fn computed_together(scene: &Scene) -> usize {
     if scene.effect.ray_path == RayPath::Refracted { 2 } else { 1 }
 }
 
-/// The light of some pixels of a scene that [`truth_of`] or [`converged_settings`] gave, each with an error of about `tolerance`.
+/// Exact values of some pixels of a [`truth_of`] or [`converged_settings`] scene, each with an error of about `tolerance`.
 ///
 /// # Errors
 /// As [`reference()`].
@@ -227,7 +226,7 @@ pub fn reference_pixels(
     let (probe, mut inputs) = Probe::new(library, truth, subject)?;
     let (count, done) = (probe.moments.len(), AtomicUsize::new(0));
     let mut sum = vec![([0.0; 4], 0.0, 0.0); pixels.len()];
-    // Rays that are integrated together are neighbors.
+    // Neighboring rays are integrated together.
     let mut order: Vec<usize> = (0..pixels.len()).collect();
     order.sort_by_key(|&at| [pixels[at][1] / TILE[1], pixels[at][0] / TILE[0]]);
     for moment in &probe.moments {

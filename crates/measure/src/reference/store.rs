@@ -1,4 +1,4 @@
-//! References kept on disk: they take seconds, and the same one is asked for again and again.
+//! Disk cache of references, which take seconds to compute.
 
 use super::Reference;
 use hypertexture::output::shard;
@@ -7,12 +7,12 @@ use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
 use support::disk_cache::{self, Kind};
 
-/// Raise it when the same scene gives another reference.
+/// Version of the references; raise it with any change of their values.
 const VERSION: u32 = 7;
-/// Less: those of a report push each other out. More: a person finds a full disk.
+/// Limit of the cache. Lower: the references of one report evict each other. Higher: the disk fills up.
 const KIND: Kind = Kind { ends: &["reference"], limit: 256 << 20 };
 
-/// The key of the reference of a scene that is its own truth: the hash of what it depends on.
+/// Cache key of a [`super::truth_of`] scene: the hash of all inputs of its reference.
 pub(super) fn key(
     truth: &Scene,
     library: &Library,
@@ -25,7 +25,7 @@ pub(super) fn key(
     Ok(hash.finalize())
 }
 
-/// The reference that was saved under a key.
+/// Loads a reference.
 pub(super) fn load(key: blake3::Hash, size: [u32; 2]) -> Option<Reference> {
     parse(&disk_cache::load(KIND, key)?, size)
 }

@@ -1,15 +1,15 @@
-//! What matter does to light along a piece of a ray: colors that it adds, and the part that it lets through.
+//! Emission and absorption along a piece of a ray.
 
-/// What a sample of a ray says.
+/// Sample of a ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Matter {
-    /// Linear RGB of what is there.
+    /// Linear RGB.
     pub(super) color: [f64; 3],
     /// Extinction per depth; infinite in the hard region.
     pub(super) extinction: f64,
 }
 
-/// What a piece of a ray does to light: color that it adds, and the part that it lets through.
+/// Emitted light and transmittance of a piece of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Transport {
     pub(super) color: [f64; 3],
@@ -20,13 +20,13 @@ impl Transport {
     /// An empty piece.
     pub(super) const CLEAR: Transport = Transport { color: [0.0; 3], transmittance: 1.0 };
 
-    /// This piece, and another behind it.
+    /// This piece followed by another.
     pub(super) fn then(self, behind: Transport) -> Transport {
         let color = std::array::from_fn(|c| self.color[c] + self.transmittance * behind.color[c]);
         Transport { color, transmittance: self.transmittance * behind.transmittance }
     }
 
-    /// The largest difference in any channel, opacity among them.
+    /// Largest difference of any channel, opacity included.
     pub(super) fn differs(self, other: Transport) -> f64 {
         let colors = (0..3).map(|c| (self.color[c] - other.color[c]).abs());
         colors.fold((self.transmittance - other.transmittance).abs(), f64::max)
