@@ -53,7 +53,7 @@ fn every_type_and_order_gives_the_values_in_their_place() {
                 assert_eq!((volume.content, volume.is_aligned()), (Content::Scalar, true));
                 assert_eq!(volume.values, (0..60).map(|x| (x * 2) as f32).collect::<Vec<_>>());
                 assert_eq!(volume.sample(Vec3::new(0.5, 2.0, 4.0)), Some(2.0 * 49.0));
-                // What is before the values, or all but them.
+                // Bytes before the values.
                 let longer = [&[7; 13], &bytes[..]].concat();
                 for skip in [Some(13), None] {
                     assert_eq!(desk.volume(&longer, &RawLayout { skip, ..layout }).values, volume.values);

@@ -63,13 +63,13 @@ pub struct Compare {
     /// The object.
     #[command(flatten)]
     pub object: ObjectFlags,
-    /// What is drawn, 128 x 128 pixels unless said otherwise.
+    /// The scene, at 128 x 128 pixels by default.
     #[command(flatten)]
     pub arguments: SceneArguments,
 }
 
 impl Compare {
-    /// What is compared.
+    /// The candidates.
     pub fn input(&self) -> &str {
         self.input.as_deref().unwrap_or(OBJECT)
     }
@@ -80,7 +80,7 @@ impl Compare {
 pub struct Failed(pub(super) String);
 
 impl Failed {
-    /// What failed, in one line.
+    /// Failures, in one line.
     pub fn new(line: String) -> Failed {
         Failed(line)
     }
@@ -98,7 +98,7 @@ impl Error for Failed {}
 pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     let (scene, mut settings) = plan(command)?;
     let library = super::library(&scene)?;
-    // What is wrong is said before the work begins: with the settings, and with the text of a module.
+    // Faults of the settings and of custom modules are reported before the work begins.
     candidates(&scene, &library, &settings.sweep)?;
     super::try_modules(&scene, &library, Some(options))?;
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;

@@ -27,7 +27,7 @@ fn code(page: &str) -> Vec<String> {
     code
 }
 
-/// What a line passes to the program, each time that it calls it.
+/// Arguments of each call of the program in a line.
 fn calls(line: &str) -> Vec<&str> {
     let line = line.split_once(" #").map_or(line, |(line, _)| line);
     let commands = line.split("&&").map(|command| command.split(" > ").next().unwrap_or_default().trim());

@@ -202,7 +202,7 @@ fn each_call_of_a_comparison_may_fail_and_costs_it_a_candidate_at_most() {
         let lines: Vec<String> = match found {
             Err(error) => vec![error.to_string()],
             Ok(found) => {
-                // What nobody needs any more, or what is tried again, has no line: then every candidate is there.
+                // Failures that are retried or without consequence have no line: every candidate is there.
                 assert_eq!(found.rows.len() + found.failures.len(), found.planned, "{place}");
                 found.failures.into_iter().map(|failure| failure.message).collect()
             }

@@ -28,7 +28,7 @@ pub struct Stress {
     /// The object.
     #[command(flatten)]
     pub object: ObjectFlags,
-    /// What the picture shows.
+    /// The scene.
     #[command(flatten)]
     pub arguments: SceneArguments,
 }

@@ -189,7 +189,7 @@ mod tests {
         let (held, subject) = loader.stand_in(&fur, &library).unwrap();
         assert!(Arc::ptr_eq(&subject, &short));
         assert!(matches!(held.parameters[&length], ParameterValue::Number(held) if (0.2..0.8).contains(&held)));
-        // What asks for less than the field has is drawn as it is.
+        // A field with more than the requested margin is used as it is.
         fur.parameters.insert(length, ParameterValue::Number(0.1));
         fur.object.resolution = 18;
         assert_eq!(loader.stand_in(&fur, &library).unwrap().0, fur);

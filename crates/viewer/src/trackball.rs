@@ -162,7 +162,7 @@ mod tests {
             assert!((-180.0..=180.0).contains(&moved.azimuth) && (-90.0..=90.0).contains(&moved.elevation));
         }
         let front = Camera { azimuth: 0.0, elevation: 0.0, ..Camera::default() };
-        // What is at the front goes right with the pointer, and the object is then seen from its left.
+        // The front follows the pointer to the right, which shows the left side of the object.
         assert_eq!(orbit(&front, [0.25, 0.0]).azimuth, -45.0);
         assert_eq!(orbit(&front, [0.0, 0.25]).elevation, 45.0);
     }

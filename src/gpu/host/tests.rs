@@ -1,4 +1,4 @@
-//! What a host sees of pictures in its own commands.
+//! Pictures recorded into a host's commands.
 
 use super::*;
 use crate::gpu::faults::LOSING;
@@ -78,7 +78,7 @@ impl<'a> Flight<'a> {
         unsafe { self.own.0.device.queue_submit(*self.own.queue(), &submits, self.fence) }.unwrap();
     }
 
-    /// What the host sees, once it is drawn: the picture, and its depth.
+    /// Picture and depth after the submission.
     fn seen(self) -> (Vec<[f32; 4]>, Option<Vec<f32>>) {
         // SAFETY: the fence belongs to the device.
         unsafe { self.own.0.device.wait_for_fences(&[self.fence], true, u64::MAX) }.unwrap();
@@ -105,7 +105,7 @@ fn worst(rendered: &[[f32; 4]], seen: &[[f32; 4]]) -> f32 {
     rendered.iter().zip(seen).map(off).fold(0.0, f32::max)
 }
 
-/// What a host sees of a picture, and its depth.
+/// Picture and depth in the images of a host.
 fn recorded(
     own: &Gpu,
     gpu: &Gpu,

@@ -1,4 +1,4 @@
-//! What a setting is: its name, its values, its flag, and the macros that declare tables of settings.
+//! Settings: names, values, flags, and the macros that declare tables of settings.
 
 mod declare;
 mod kind;

@@ -92,7 +92,7 @@ fn assert_stands(desk: &Desk, truth: &[(Vec3, f32)]) {
     let found = volume(open(&desk.folder()));
     assert_eq!(found.values.len(), truth.len());
     let index = found.steps.inverse();
-    // What the values of `stored` grow by from a column, a row and a slice to the next.
+    // Steps of the values of `stored` along columns, rows and slices.
     let slope = 0.5 * (index.transpose() * Vec3::new(3.0, 12.0, 36.0)).length();
     let largest = truth.iter().map(|(place, _)| place.length()).fold(0.0, f32::max);
     let tolerance = 5e-4 + slope * f32::EPSILON * largest;

@@ -335,7 +335,7 @@ fn text_that_is_no_document_is_said_with_its_line() {
         let line = read("test.gltf", text.as_bytes()).unwrap_err().to_string();
         assert!(line.starts_with("test.gltf: ") && line.contains(said) && line.lines().count() == 1, "{text}: {line}");
     }
-    // What is read over may be as deep as it likes; what is read has its depth.
+    // Ignored values may nest at any depth.
     let (open, close) = ("[".repeat(1_000_000), "]".repeat(1_000_000));
     let head = "{ \"asset\": { \"version\": \"2.0\" }, ";
     assert!(error(format!("{head}\"extras\": {open}{close} }}").as_bytes()).contains("no triangles"));

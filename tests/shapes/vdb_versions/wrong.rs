@@ -133,7 +133,7 @@ proptest! {
         let flags = [MASK, 0, ZIP | MASK, BLOSC | MASK, ZIP][seed];
         let good = file(Kind { flags, code: 4, version: [224, 221][usize::from(seed == 4)], ..PLAIN }, "level set");
         let mut bytes = good.bytes;
-        // What is between is zeros, nearly all.
+        // Nearly all bytes between are zeros.
         let (start, end) = if is_late { (good.at["mask of 16"], bytes.len()) } else { (0, good.at["mask of 32"]) };
         for (place, byte) in changes {
             bytes[start + (place * (end - start) as f64) as usize] = byte;

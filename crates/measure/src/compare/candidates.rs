@@ -50,14 +50,14 @@ pub struct Candidate {
     pub scene: Scene,
 }
 
-/// What the samples of a curve have in common.
+/// Settings shared by the samples of a curve.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Curve {
     /// Where turbulence and noise come from.
     pub strategy: String,
     /// Slices or rays.
     pub pass: Pass,
-    /// What a sample stands for.
+    /// Integration rule.
     pub integration: Integration,
     /// Side of the block of noise, texels; `None` where none is read.
     pub block: Option<u32>,

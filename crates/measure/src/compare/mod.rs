@@ -63,7 +63,7 @@ const WARM_MS: [f64; 2] = [50.0, 300.0];
 /// Runs before those that are timed, at most.
 const WARM_UPS: usize = 5;
 
-/// What to compare.
+/// Settings of a comparison.
 #[derive(Clone, Debug)]
 pub struct Settings {
     /// The candidates.
@@ -95,7 +95,7 @@ pub enum CompareError {
 /// A candidate that was measured.
 #[derive(Clone, Debug)]
 pub struct Row {
-    /// What was drawn.
+    /// The candidate.
     pub candidate: Candidate,
     /// The truth of its scene.
     pub truth: Arc<GroundTruth>,
@@ -105,7 +105,7 @@ pub struct Row {
     pub normals: Option<Angles>,
     /// Every run, in the order in which they were made.
     pub runs: Vec<Run>,
-    /// What it took to begin with.
+    /// Preparation time.
     pub first: Frame,
 }
 
@@ -141,7 +141,7 @@ impl Row {
 pub struct Failure {
     /// The candidate in words.
     pub label: String,
-    /// What went wrong.
+    /// Error message.
     pub message: String,
 }
 
@@ -152,7 +152,7 @@ impl Failure {
     }
 }
 
-/// What was measured.
+/// Result of a comparison.
 #[derive(Clone, Debug)]
 pub struct Comparison {
     /// The scene, with the size that was compared.

@@ -1,4 +1,4 @@
-//! What was picked, kept on disk: by scene, bound, device and driver.
+//! Disk cache of picks by scene, bound, device and driver.
 
 use super::bound::{ErrorBound, Pick, PickError, Verified};
 use crate::compare::Session;

@@ -145,7 +145,7 @@ fn a_search_is_given_up_by_hand_by_another_pixel_and_by_another_scene() {
     harness.state_mut().1 = job(|scene| scene.camera.azimuth = 50.0);
     harness.run_steps(2);
     assert!(cancelled.load(Ordering::Relaxed), "by another scene");
-    // What was found is of the scene as it is now.
+    // The report is of the current scene.
     wait(&mut harness);
     assert!((harness.state().0.report.exact.clone().unwrap().unwrap().value[3] - 1.0).abs() < 1e-9);
     // Nothing is looked for while the scene moves, nor when nothing is inspected.

@@ -67,7 +67,7 @@ fn rates(replay: &Replay, sheet: &Sheet, window: Window) -> (Vec<(String, f64)>,
     (cells.into_iter().filter_map(|(name, cell)| Some((name, cell.rate()?))).collect(), drawn)
 }
 
-/// What one of the paper's cards does in a column of Tables 1 and 2.
+/// Figures of one of the paper's cards in a column of Tables 1 and 2.
 fn card(card: usize, column: usize) -> Vec<(String, f64)> {
     EFFECTS.iter().map(|row| (row.1.to_string(), row.2[card][column])).collect()
 }

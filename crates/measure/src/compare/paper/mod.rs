@@ -91,7 +91,7 @@ pub struct Table {
 pub struct Crop {
     /// The paper's caption.
     pub caption: &'static str,
-    /// What was drawn: the module, and its block where that is not the scene's.
+    /// The module, and its block if it differs from the scene's.
     pub drawn: String,
     /// The picture.
     pub frame: Frame,

@@ -38,7 +38,7 @@ pub const WINDOWS: [Window; 6] = [
     Window { size: [1024, 768], sampling: 8 },
 ];
 
-/// What to replay.
+/// Settings of a replay.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// The scenes of [`EFFECTS`], of one object, by [`paper_quality`].
@@ -54,7 +54,7 @@ pub struct Plan {
     pub error_size: [u32; 2],
 }
 
-/// What a window's 4 and 8 times are on this device.
+/// Samples and anisotropy of a window's 4x and 8x on this device.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Sampling {
     counts: Vec<u32>,
@@ -91,7 +91,7 @@ impl Sampling {
 pub struct Column {
     /// The window.
     pub window: Window,
-    /// What becomes of fragments without matter.
+    /// Treatment of fragments without matter.
     pub discards: bool,
 }
 
@@ -122,7 +122,7 @@ pub struct Errors {
 /// A row of a table.
 #[derive(Clone, Debug)]
 pub struct Row {
-    /// What the paper calls it.
+    /// Name in the paper.
     pub name: String,
     /// The shot of each column; `None` where it is not asked for.
     pub shots: Vec<Option<usize>>,
@@ -158,12 +158,12 @@ pub struct Bump {
     pub frame: Frame,
 }
 
-/// What was replayed.
+/// Result of a replay.
 #[derive(Clone, Debug)]
 pub struct Replay {
-    /// What was asked for.
+    /// Requested settings.
     pub plan: Plan,
-    /// What stands in place of 4x and 8x.
+    /// Substitutes of 4x and 8x.
     pub sampling: Sampling,
     /// Tables 1 and 2, Table 3, discarded fragments, blocks of noise: see [`EFFECTS_SHEET`] and on.
     pub sheets: Vec<Sheet>,
@@ -216,7 +216,7 @@ impl Plan {
 }
 
 impl Replay {
-    /// What is to be timed; nothing is yet.
+    /// Columns to be timed.
     pub fn planned(plan: Plan, sampling: Sampling) -> Replay {
         let mut replay = Replay {
             plan,

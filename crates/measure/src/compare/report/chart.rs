@@ -6,7 +6,7 @@
 use super::page::escape;
 use std::fmt::Write;
 
-/// What a point is drawn as.
+/// Mark of a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Marker {
     /// A ray.
@@ -20,7 +20,7 @@ pub enum Marker {
 pub struct Line {
     /// Index of its color and of its entry in the legend.
     pub group: usize,
-    /// What its points are drawn as.
+    /// Marks of its points.
     pub marker: Marker,
     /// Whether they are filled.
     pub filled: bool,
@@ -41,14 +41,14 @@ pub struct Point {
     pub error: f64,
     /// Error of the reference: so far the error may be off.
     pub reference: f64,
-    /// What to say about it.
+    /// Tooltip.
     pub about: String,
 }
 
-/// What to draw.
+/// Contents of the chart.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Chart {
-    /// What it is of, in words.
+    /// Description.
     pub title: String,
     /// Names of the groups.
     pub groups: Vec<String>,
@@ -158,7 +158,7 @@ fn head(height: f64) -> String {
     )
 }
 
-/// What a chart shows.
+/// A chart.
 fn drawn(chart: &Chart) -> String {
     let [left, top, right, bottom] = AREA;
     let all = || chart.lines.iter().flat_map(|line| &line.points);

@@ -19,10 +19,10 @@ const COLUMNS: &str = "candidate,strategy,block,pass,integration,target,samples,
     time_ms,time_low_ms,time_high_ms,time_min_ms,time_p95_ms,gpu_ms,wall_ms,wall_low_ms,wall_high_ms,runs,unsteady,compile_ms,\
     device_bytes,fragments,efficiency_per_mse_second,front,truth";
 
-/// What makes times steady.
+/// Advice for steady times.
 pub const STEADIER: &str = "repeat on an idle machine, with more runs (--repeat)";
 
-/// What the numbers are of, as far as their names leave it open.
+/// Meaning of numbers whose names leave it open.
 const UNITS: [(&str, &str); 8] = [
     ("rmse", "root mean square over R, G, B and A of premultiplied linear RGBA; 1 is white, or opaque"),
     ("covered_rmse", "the same over the pixels in which the picture or its truth is not clear"),

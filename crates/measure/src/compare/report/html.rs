@@ -68,7 +68,7 @@ fn head(report: &Report) -> String {
     text
 }
 
-/// What the candidates are held against, and how wrong that is itself.
+/// Reference of the candidates, and its own error.
 fn truths(report: &Report, groups: &[Group]) -> String {
     let line = |(number, group): (usize, &Group)| {
         let truth = &group.truth;

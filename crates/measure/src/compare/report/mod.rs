@@ -35,7 +35,7 @@ const PICTURES: [usize; 2] = [6, 2];
 /// All that a report tells.
 #[derive(Clone, Debug)]
 pub struct Report {
-    /// What was compared: the name of a scene.
+    /// Name of the scene.
     pub title: String,
     /// Hash of [`scene_text`].
     pub hash: String,
@@ -43,7 +43,7 @@ pub struct Report {
     pub tolerance: f64,
     /// Where and when.
     pub environment: Environment,
-    /// What was measured.
+    /// The comparison.
     pub comparison: Comparison,
     /// Pictures of rows, by their index.
     pub pictures: Vec<(usize, Frame)>,
@@ -108,7 +108,7 @@ pub fn pictures(session: Session<'_>, comparison: &Comparison, failures: &mut Ve
 /// Writes the report into a folder, which is made if there is none; gives the path of the page.
 ///
 /// # Errors
-/// What the system says; a file is whole or as it was.
+/// Errors of the file system; a file is whole or unchanged.
 pub fn write(report: &Report, folder: &Path) -> Result<PathBuf, CompareError> {
     let io = |path: &Path| {
         let path = path.display().to_string();

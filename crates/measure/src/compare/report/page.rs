@@ -1,4 +1,4 @@
-//! What all pages share: their frame, how text and numbers stand in them, and where it was measured.
+//! Shared parts of all pages: frame, formats of text and numbers, and the measuring environment.
 
 use super::Environment;
 use crate::compare::metrics::FLIP;

@@ -23,7 +23,7 @@ pub const FILES: [&str; 4] = ["paper.html", "paper.md", "paper.csv", "paper.json
 /// Writes the report into a folder, which is made if there is none; gives the path of the page.
 ///
 /// # Errors
-/// What the system says; a file is whole or as it was.
+/// Errors of the file system; a file is whole or unchanged.
 pub fn write(report: &Replayed, folder: &Path) -> Result<PathBuf, CompareError> {
     let io = |path: &Path| {
         let path = path.display().to_string();

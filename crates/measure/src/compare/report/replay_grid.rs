@@ -1,4 +1,4 @@
-//! What was replayed, and its tables as texts: the same in every file of the report.
+//! Tables of a replay as text, shared by all files of the report.
 
 use super::Environment;
 use crate::compare::paper::Cell;
@@ -13,11 +13,11 @@ pub struct Replayed {
     pub object: String,
     /// Where and when.
     pub environment: Environment,
-    /// What was measured.
+    /// The replay.
     pub replay: Replay,
 }
 
-/// What was drawn, in one sentence.
+/// Description of the replay in one sentence.
 pub fn about(report: &Replayed) -> String {
     let quality = &report.replay.plan.effects[0].quality;
     let target = match quality.target {
