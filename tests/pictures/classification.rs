@@ -119,6 +119,6 @@ fn m05_tables_hold_what_modules_of_opacity_and_softness_say() {
         let library = library.clone().with_module("softness", "moving", moving);
         scene.effect.softness = "moving".into();
         let refused = Renderer::new(gpu, &library, &subject).render(&scene).expect_err("it moves").to_string();
-        assert!(refused.starts_with("modules of opacity and softness"), "{refused}");
+        assert!(refused.starts_with("tabulated modules of opacity and softness"), "{refused}");
     });
 }

@@ -27,7 +27,7 @@ macro_rules! settings {
 
         impl $table {
             /// The settings of this table.
-            pub const SETTINGS: &[$crate::scene::schema::Setting] = {
+            pub const SETTINGS: &[$crate::scene::setting::Setting] = {
                 use $crate::scene::setting::*;
                 &[$($(
                     Setting::new(concat!($prefix, stringify!($field)), $doc, Changes::$changes, $kind)
