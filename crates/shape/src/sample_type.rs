@@ -1,6 +1,7 @@
 //! Numeric types of values in files.
 //!
 //! Role: names, sizes, and conversion of bytes or text to floats. Invariant: a value is rounded once, to the nearest f32.
+#![expect(clippy::unnecessary_cast, reason = "the macro has casts for every type")]
 
 use std::fmt;
 use std::str::FromStr;

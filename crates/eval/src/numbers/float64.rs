@@ -177,7 +177,8 @@ impl Number for f64 {
             }
             Unary::Round => self.round_ties_even(),
             Unary::Fract => self - floor(self),
-            Unary::Saturate => self.max(0.0).min(1.0), // 0 for NaN
+            #[expect(clippy::manual_clamp, reason = "NaN gives 0")]
+            Unary::Saturate => self.max(0.0).min(1.0),
             Unary::Square => self * self,
             Unary::Sqrt => self.sqrt(),
             Unary::InverseSqrt => 1.0 / self.sqrt().abs(), // infinity for -0, too
