@@ -77,8 +77,7 @@ impl Renderer {
     }
 
     /// Ends later pictures with [`RenderError::Stopped`] when `stop` returns true. It is called between submissions,
-    /// which take some [`SUBMISSION_MS`](super::submission_budget::SUBMISSION_MS), with the milliseconds of the picture
-    /// so far.
+    /// which take about 25 ms, with the milliseconds of the picture so far.
     pub fn stop_where(&mut self, stop: impl Fn(f64) -> bool + Send + Sync + 'static) {
         self.stop = Arc::new(stop);
     }
