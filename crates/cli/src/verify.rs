@@ -85,7 +85,7 @@ fn picture(image: &Path, command: &Verify, options: &Options, quiet: bool) -> Re
         Err(error @ CheckError::NotFinite { .. }) => Err(error.to_string()),
         verdict => Ok(verdict?),
     };
-    let disverdict = match &verdict {
+    let disagreement = match &verdict {
         Ok(verdict) => fault(verdict).map(|wrong| format!("{}: {wrong}", image.display())),
         Err(error) => Some(error.clone()),
     };
@@ -104,7 +104,7 @@ fn picture(image: &Path, command: &Verify, options: &Options, quiet: bool) -> Re
         });
         say_json(&json!({
             "picture": image.display().to_string(), "program": provenance.program, "device": provenance.device,
-            "scene_hash": provenance.scene_hash, "disverdict": disverdict, "agreement": facts,
+            "scene_hash": provenance.scene_hash, "disagreement": disagreement, "agreement": facts,
         }))?;
     } else if let Some(verdict) = verdict.ok().filter(|_| !quiet) {
         let hash = provenance.scene_hash.get(..16).unwrap_or(&provenance.scene_hash);
@@ -112,12 +112,12 @@ fn picture(image: &Path, command: &Verify, options: &Options, quiet: bool) -> Re
         let inputs = if inputs.is_empty() { String::new() } else { format!("; unchanged: {}", inputs.join(", ")) };
         let about = format!("by {} on {}; scene {hash}{inputs}", provenance.program, provenance.device);
         say(&format!("picture    {}\n{}", words::line(&about), verdict.text()));
-        if disverdict.is_none() {
+        if disagreement.is_none() {
             let (metric, error) = (verdict.metric, verdict.error());
             say(&format!("the picture is what its scene gives, and off by {metric} {error:.1e} from the truth\n"));
         }
     }
-    disverdict.map_or(Ok(()), |line| Err(Failed(line).into()))
+    disagreement.map_or(Ok(()), |line| Err(Failed(line).into()))
 }
 
 /// The fault of a picture, if any.

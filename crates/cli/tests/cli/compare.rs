@@ -94,7 +94,7 @@ fn m56_a_comparison_writes_its_report_and_repeats_every_digit_of_its_errors() {
     for part in [
         "fire on sphere",
         "fastest candidate",
-        "GroundTruth 0, the scene's own: procedural turbulence that repeats after 4 cells of the first octave",
+        "Truth 0, the scene's own: procedural turbulence that repeats after 4 cells of the first octave",
         "with a tolerance",
         "<svg",
         "Along the front",

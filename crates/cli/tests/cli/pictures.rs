@@ -407,8 +407,8 @@ fn help_and_version_succeed() {
         assert!(desk.good(arguments).contains("Usage: hypertexture"), "{arguments}");
     }
     let [short, all] = ["render --help", "render --help-all"].map(|line| desk.good(line));
-    assert!(short.lines().count() <= 30 && short.contains("Examples:") && !short.contains("--turntable "), "{short}");
-    assert!(all.contains("--turntable"), "{all}");
+    assert!(short.lines().count() <= 30 && short.contains("Examples:") && !short.contains("--restart"), "{short}");
+    assert!(all.contains("--restart"), "{all}");
     assert_eq!(desk.good("--version"), format!("hypertexture {}\n", env!("CARGO_PKG_VERSION")));
 }
 

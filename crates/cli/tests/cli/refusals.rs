@@ -78,7 +78,7 @@ fn arguments_that_make_no_sense_are_refused_in_one_line() {
             ("render torus --shard", &["--shard auto", "SLURM_ARRAY_TASK_ID", "JOB_COMPLETION_INDEX", "--shard K/N"]),
             ("render torus --predict --shard 0/2", &["--predict", "--shard"]),
             ("merge out.png", &["<SHARD>"]),
-            ("merge new.png out.png", &["out.png", "no shard of hypertexture", "--shard"]),
+            ("merge new.png out.png", &["out.png", "not a shard of hypertexture", "--shard"]),
             ("merge new.png gone.shard-0-of-2", &["gone.shard-0-of-2"]),
             ("merge new.jpg out.png", &["new.jpg", ".png or .exr"]),
             ("field torus -o missing/f.nrrd", &["missing/f.nrrd", "there is no folder missing"]),
@@ -114,7 +114,7 @@ fn scene_files_that_are_wrong_are_refused_with_their_line() {
         ("field.toml", "[quality]\nsample = 64\n"),
         ("table.toml", "[qualities]\nsamples = 64\n"),
         ("type.toml", "[quality]\n\nsamples = \"many\"\n"),
-        ("name.toml", "[object]\ninput = \"torus\"\nsource = \"normals17\"\n"),
+        ("name.toml", "[object]\ninput = \"torus\"\nfield_encoding = \"normals17\"\n"),
         ("color.toml", "[material]\ncolor = \"red\"\n"),
         ("preset.toml", "preset = \"fire_bal\"\n"),
         ("parameter.toml", "preset = \"fur\"\n[parameters]\nfinenes = 60\n"),
@@ -437,7 +437,7 @@ fn output_that_is_full_is_no_success_and_no_panic() {
     let full = || fs::File::options().write(true).open("/dev/full").unwrap();
     let output = desk.command("settings").stdout(full()).output().unwrap();
     let err = text(&output.stderr);
-    assert!(output.status.code() == Some(2) && err.starts_with("error: standard output: "), "{err}");
+    assert!(output.status.code() == Some(2) && err.starts_with("error: cannot write to standard output: "), "{err}");
     let output = desk.command("render nosuch").stderr(full()).output().unwrap();
     assert_eq!(output.status.code(), Some(2));
 }

@@ -113,7 +113,7 @@ fn p53_what_is_no_full_set_of_shards_is_refused_with_its_reason() {
         ("foreign", encode(&foreign, one, &ramp(size)), "they differ in the scene"),
         ("size", encode(&whole([64, 5]), one, &ramp([64, 5])), "they differ in the size"),
         ("count", encode(&whole(size), Shard::new(1, 3).unwrap(), &ramp(size)), "they differ in the number of shards"),
-        ("picture", b"\x89PNG and so on".to_vec(), "no shard of hypertexture"),
+        ("picture", b"\x89PNG and so on".to_vec(), "not a shard of hypertexture"),
     ];
     for (name, bytes, expected) in rows {
         let said = merge(&[first.clone(), file(name, bytes)]).unwrap_err().to_string();
