@@ -16,9 +16,10 @@ const PIXELS: usize = 1024;
 pub(super) const MOST_PIXELS: usize = 4 * PIXELS;
 /// Error of the reference in parts of the bound. Lower: it takes longer. Higher: it is a part of the stated error.
 const OWN: f64 = 0.04;
-/// Samples of the pictures whose difference tells where errors are, in parts of the picture's own.
+/// Samples of the pictures whose difference tells where errors are, in parts of the picture's own; the second is drawn of
+/// fast pictures only.
 const OTHER_SAMPLES: [f64; 2] = [0.7, 1.6];
-/// A picture that takes less than this is drawn again for its time, milliseconds.
+/// A picture that takes less than this is fast, and is drawn again for its time, milliseconds.
 const AGAIN_MS: f64 = 200.0;
 
 /// Draws whole pictures and bounds their errors.
@@ -70,7 +71,8 @@ impl<'a> Whole<'a> {
             ms = ms.min(draw(&mut search.painter, scene, 1.0)?.1); // a first run is slower
         }
         let mut scores = Vec::new();
-        for other in OTHER_SAMPLES.iter().filter_map(|times| with_samples(scene, *times, session.library)) {
+        let others = &OTHER_SAMPLES[..if ms < AGAIN_MS { 2 } else { 1 }];
+        for other in others.iter().filter_map(|times| with_samples(scene, *times, session.library)) {
             let other = draw(&mut search.painter, &other, 1.0)?.0;
             let by_other = sample.scores(&frame, &other, *bound);
             scores.resize(by_other.len(), 0.0);
