@@ -67,8 +67,8 @@ void main() {
         if (ENDS) break;
         follows = true;
     }
-    // A device that has cut a loop lets no other turn twice from there on, and what it gives is no picture. That this one
-    // turns once or twice, and that turns is then what is wanted, is written so that no compiler sees it.
+    // After cutting a loop, a device also cuts all later ones at their second iteration, and the picture is invalid. The
+    // count of this loop, 1 or 2, reveals that; it is written so that compilers cannot fold it.
     float turns = 0.0, wanted = 1.0 + step(2.0, slice_count);
     for (; turns < wanted; ++turns) {}
     if (abs(turns - wanted) > 0.5) sum = vec4(CUT_SHORT);

@@ -4,7 +4,7 @@
 // p: lattice cells of the first octave; width: of a sample, in the same cells; enough: the sum may end where it is as
 // large as this, for it only grows, to at most 1.733; result: gradient per cell in xyz, the sum in w, in [0, 1.733].
 // An octave that fades leaves its mean, so that the turbulence stays as bright as it is: OCTAVE_MEAN, which a strategy
-// defines whose octaves are no gradient noise.
+// with other octaves than gradient noise defines.
 #include "octave_constants.glsl"
 #include <weights>
 #ifndef OCTAVE_MEAN

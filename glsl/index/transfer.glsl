@@ -63,7 +63,7 @@ vec3 pull(vec3 x, Index medium) {
 }
 
 // Normal of the interface between two points that are very near to each other, and that of its face there, which the other
-// smooths: of any length and sign; 0 if there is none.
+// smooths: of any length and sign; 0 without an interface.
 vec3 interface_normal(vec3 from, vec3 to, out vec3 face) {
     face = clip_plane.xyz;
     if (clipped(from) != clipped(to)) return face;

@@ -2,7 +2,7 @@
 // Source: GG 39.5; quality.block_blur is the width of the blur in texels.
 // p: texels; result: gradient per texel in xyz, by differences over one; noise in w, |noise| <= 1.
 // @bound 1
-// One fetch gives four noises, which vector_noise.glsl and four_noises.glsl take: for them there is no noise at other places.
+// One fetch gives four noises, which vector_noise.glsl and four_noises.glsl take in place of noise at other places.
 // @loops 1
 // @period memory
 #include <filter>

@@ -1,5 +1,5 @@
 // Turbulence by one fetch from a block in which every octave is already summed: with its gradient, or alone.
-// Source: MJ 4.1: best quality and speed. There is no end before all is summed. Octaves fade by the levels of the block.
+// Source: MJ 4.1: best quality and speed. The sum never ends early. Octaves fade by the levels of the block.
 // p, width, enough and results: as octave_gradient.glsl has them, but the sum is in [0, 2].
 // @exact procedural turbulence_block
 // @loops 0

@@ -12,7 +12,7 @@
 #include "scale_radius.glsl"
 void turbulent(inout vec3 x, inout mat3 jacobian) {
     vec3 p = turbulence_frequency * (x - vec3(0.0, turbulence_speed * time, 0.0));
-    // Beyond this radius there is no matter, however far the other warps move it back: the density is 0 from there on.
+    // Space beyond this radius is empty, however far the other warps move matter back: the density is 0 from there on.
     float arm = min(length(x), hold_radius);
     float enough = 1.0001 * (own_radius - length(x)) / max(turbulence_amplitude * arm, 1e-6);
     if (sample_reach > 0.0) enough = ALL;      // a segment asks how far outside its ends are

@@ -102,7 +102,7 @@ impl Scene {
     /// The scene with an additional object as its only object.
     ///
     /// # Panics
-    /// If there is no such object.
+    /// If the object is missing.
     pub fn part_as_scene(&self, name: &str) -> Scene {
         let Part { object, effect, parameters, material, transfer, .. } = self.parts[name].clone();
         let (parts, combine) = (BTreeMap::new(), None);

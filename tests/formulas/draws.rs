@@ -1,4 +1,4 @@
-//! Functions of modules on a device, at random places with random parameters: none gives what is no finite number.
+//! Functions of modules on a device, at random places with random parameters: all results are finite.
 
 use crate::common::with_gpu;
 use crate::exact_modules::{self, GLASS, each};
@@ -48,7 +48,7 @@ vec3 drawn_place() {
 }
 ";
 
-/// In place of `watch.glsl`: by bits, as devices take it that no number is none.
+/// In place of `watch.glsl`: tests bits, since devices assume that NaN never occurs.
 const WATCH: &str = "void note_fault(float number, float value) {
     uint function = uint(number) - 1u, bits = floatBitsToUint(value) & 0x7fffffffu;
     drawn_ran[function / 24u] |= 1u << (function % 24u);
@@ -99,7 +99,7 @@ const IN_PHASES: &str = "\
 struct Found {
     /// Draws in which it ran.
     ran: u64,
-    /// Those of them in which it was the first to give what is no number.
+    /// Those in which it was the first with a result that is not finite.
     faults: u64,
     /// The first of those, in words.
     first: Option<String>,
@@ -386,7 +386,7 @@ fn no_function_gives_what_is_no_number() {
     });
 }
 
-/// It is no number where its parameter is at the end of its range.
+/// It is NaN if its parameter is at the end of its range.
 const PLANTED: &str = "// @param dose = 0.5 in [0, 1]: -\n\
     float planted(float density, Sample s) { return dose < 1.0 ? density : density / (1.0 - dose); }\n";
 

@@ -198,7 +198,7 @@ impl Setting {
 /// Cells after which noise and turbulence repeat.
 const ENDLESS: [&str; 2] = ["noise_period", "turbulence_period"];
 
-/// A number that is no parameter.
+/// A number other than a parameter.
 fn of_number(name: &str, random: &mut Random) -> f64 {
     let (low, high) = match name {
         "iso_value" | "iso_value_b" => (-0.3, 0.1),

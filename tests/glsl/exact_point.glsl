@@ -1,5 +1,5 @@
 #version 450
-// What a scene is made of, at points: classified matter, for tests of the exact evaluator.
+// Classified matter of a scene, at points, for tests of the exact evaluator.
 #include "interface.glsl"
 #include "vector.glsl"
 #include "hash.glsl"

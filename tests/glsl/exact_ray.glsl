@@ -1,5 +1,5 @@
 #version 450
-// What rays go by, at points, for tests of the exact evaluator.
+// Inputs of rays, at points, for tests of the exact evaluator.
 #include "interface.glsl"
 #include "vector.glsl"
 #include "hash.glsl"

@@ -59,7 +59,7 @@ fn formulas_of_the_papers_fail_where_they_are_known_to() {
     let wrong: [Wrong; 6] = [
         // The opacity of the seeds: thin matter loses its digits, and an empty step of full density is opaque.
         ("opacity/perlin.glsl", |_| PAPER.into(), &[10, 12]),
-        // Bias as it is written: its ends are 0 to the power of 0, and beyond [0, 1] it is no number.
+        // Bias as it is written: its ends are 0 to the power of 0, and beyond [0, 1] it is NaN.
         ("shaping.glsl", |text| text.replace("if (t <= 0.0) return 0.0;", ""), &[5]),
         // A union that adds up.
         ("boolean/algebraic.glsl", |text| text.replace("(1.0 - a.density) * b.density", "b.density"), &[13]),
@@ -95,7 +95,7 @@ fn a_case_that_cannot_be_drawn_is_a_row_that_fails() {
     });
 }
 
-/// A DMF that is right where its parameters are 0: one makes the picture finer than samples, one is no number above 3 / 4.
+/// A DMF that is right where its parameters are 0: one makes the picture finer than samples, one is NaN above 3 / 4.
 const PLANTED: &str = "// Planted.\n// Source: -\n// density: any; result: in [0, 1].\n\
     // @param ripples = 0 in [0, 4]: Ripples, hundreds for each object unit.\n\
     // @param dose = 0 in [0, 1]: No number above 3 / 4.\n\

@@ -299,7 +299,7 @@ fn slices_whose_positions_are_rounded_stand_at_even_distances() {
     assert_eq!(found.size, [4, 3, 28]);
     assert!((found.spacing().z - 0.625).abs() < 5e-4 && (found.origin.z - 5.0).abs() < 0.05, "{}", found.spacing());
     assert!(note.starts_with("the positions of its slices are rounded, by up to 0.0"), "{note}");
-    // A slice that is not there is no rounding.
+    // A missing slice exceeds rounding.
     fs::remove_file(desk.path("14")).unwrap();
     let line = desk.error("");
     assert!(line.contains("none missing, found 1.3 mm between `13` and `15`, others are 0.6 mm apart"), "{line}");

@@ -98,7 +98,7 @@ fn a_constant_volume_has_no_node_and_comes_back() {
         assert_comes_back(&constant);
         assert!(written(&constant).len() < 700);
     }
-    // A distance that is below a voxel everywhere is no background.
+    // A distance below a voxel everywhere cannot be a background.
     assert_comes_back(&volume([9, 9, 9], Content::SignedDistance, |_| -3.0));
     // The other zero is another value.
     assert_comes_back(&volume([9, 9, 9], Content::Scalar, |index| if index == 100 { -0.0 } else { 0.0 }));

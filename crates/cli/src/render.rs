@@ -83,7 +83,7 @@ pub struct Render {
 }
 
 impl Render {
-    /// Options without effect, separated by commas; `None` if there are none. `base` is the scene before the arguments, `asked` the
+    /// Options without effect, separated by commas, if any. `base` is the scene before the arguments, `asked` the
     /// scene with them, `drawn` the one that `--max-error` may have changed.
     fn ignored(&self, library: &Library, subject: &Subject, [base, asked, drawn]: [&Scene; 3]) -> Option<String> {
         let (before, after) = (base.fields(), drawn.fields());

@@ -136,7 +136,7 @@ fn fault(verdict: &Verdict) -> Option<String> {
     }
 }
 
-/// Ground truth of pixels: the f64 reference, or a second rendering where there is no reference.
+/// Ground truth of pixels: the f64 reference, or a second rendering in its place.
 fn truth(
     gpu: &Gpu,
     library: &Library,

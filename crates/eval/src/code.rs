@@ -1,6 +1,6 @@
 //! Lowered programs: instructions over registers with one scalar for each lane, in structured control flow.
 //!
-//! Invariant: there are no vectors, matrices, structures, arrays, functions or pointers. Instructions are total and have no
+//! Invariant: vectors, matrices, structures, arrays, functions and pointers are lowered to scalars. Instructions are total and have no
 //! side effects, so inactive lanes may compute anything in registers that only their own branch reads. A *masked* result
 //! is that of a variable, which keeps its value in inactive lanes.
 

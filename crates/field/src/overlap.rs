@@ -11,7 +11,7 @@ use rayon::prelude::*;
 /// Offset of the compared points from the surface, in voxels. Lower loses the sign of the triangle's own solid angle to
 /// rounding; higher reaches through thin walls.
 const SIDE: f32 = 0.02;
-/// Edge length in voxels at which partly buried triangles are no longer divided. Lower costs more; higher leaves visible seams
+/// Edge length in voxels at which partly buried triangles stay undivided. Lower costs more; higher leaves visible seams
 /// inside the solid.
 const SEAM: f32 = 0.5;
 /// Edge length in voxels above which triangles are divided even if their samples agree, to find thin crossings.

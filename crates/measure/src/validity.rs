@@ -29,7 +29,7 @@ pub struct Cause {
     other: Other,
 }
 
-/// The improved scene or modules; `None` if there is no improvement.
+/// The improved scene or modules; `None` without an improvement.
 #[derive(Clone, Copy, Debug)]
 enum Other {
     /// An improved setting.

@@ -17,7 +17,7 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// Smallest box around `positions`; `None` if there are none.
+    /// Smallest box around `positions`; `None` for an empty slice.
     pub fn around(positions: &[Vec3]) -> Option<Bounds> {
         let first = *positions.first()?;
         let start = Bounds { min: first, max: first };

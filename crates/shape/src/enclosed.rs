@@ -25,7 +25,7 @@ pub struct Enclosed {
     pub volume: f64,
     /// Number of duplicate triangles, which count once.
     pub repeated: usize,
-    /// Whether there is no inside: faces cancel, or lie in a plane.
+    /// Whether the inside is empty: faces cancel, or lie in a plane.
     pub is_nothing: bool,
 }
 

@@ -24,7 +24,7 @@ pub enum ShapeError {
     /// The object was never in a file.
     #[error("{name}: the object was in the memory of the program that rendered it; set object.input to a file")]
     InMemory { name: String },
-    /// There is no file at this path.
+    /// The file at this path is missing.
     #[error("{file}: no such file; check the path, or use a built-in object: {}", BUILT_IN.join(", "))]
     Missing { file: String },
     /// A directory, a device or a pipe.

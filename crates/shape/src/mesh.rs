@@ -55,7 +55,7 @@ impl Mesh {
 
     /// Edges used by exactly one triangle once vertices at equal positions are one vertex; 0 for a closed mesh.
     ///
-    /// Equal means equal numbers (0 and -0 are equal); there is no tolerance. Time and memory grow as the triangles.
+    /// Equal means equal numbers, without a tolerance; 0 and -0 are equal. Time and memory grow as the triangles.
     pub fn open_edges(&self) -> usize {
         self.edges().open
     }

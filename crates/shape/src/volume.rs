@@ -1,6 +1,6 @@
 //! Volumes: samples on a regular grid.
 //!
-//! Invariant: there is no value outside the samples.
+//! Invariant: values exist only between the samples.
 
 use super::Bounds;
 use super::axes::{Axes, lengths};

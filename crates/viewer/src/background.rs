@@ -116,7 +116,7 @@ impl<T> Task<T> {
         (self.notify)();
     }
 
-    /// Whether the result is no longer wanted.
+    /// Whether the task was cancelled.
     pub(super) fn is_cancelled(&self) -> bool {
         self.cancelled.load(Ordering::Relaxed)
     }

@@ -7,7 +7,7 @@ use hypertexture::scene::SceneError;
 /// Why the window could not be opened, or was closed.
 #[derive(Debug, thiserror::Error)]
 pub enum ViewError {
-    /// There is no display.
+    /// The display is missing.
     #[error(
         "no display: {0}; log in to a desktop, or run `xvfb-run -a hypertexture view ...`, or use `hypertexture render`, \
          which needs none"

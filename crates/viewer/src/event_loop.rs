@@ -37,7 +37,7 @@ struct Wake;
 /// Shows a window until it is closed.
 ///
 /// # Errors
-/// There is no display, library, loader or driver; a script, or [`Start::frames`] with its screenshot, has failed; or the
+/// A display, library, loader or driver is missing; a script, or [`Start::frames`] with its screenshot, has failed; or the
 /// validation layer has reported messages.
 pub fn run(start: Start) -> Result<(), ViewError> {
     let script = match &start.script {

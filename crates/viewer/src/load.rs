@@ -96,7 +96,7 @@ impl Loader {
         held.check(library).is_ok().then(|| (held, subject.clone()))
     }
 
-    /// Receives the loaded object, or the reason why there is none.
+    /// Receives the loaded object, or the reason of the failure.
     pub(super) fn poll(&mut self) -> Result<(), String> {
         let Some(loading) = &self.loading else { return Ok(()) };
         let Poll::Ready(loaded) = loading.subject.poll() else { return Ok(()) };

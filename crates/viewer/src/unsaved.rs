@@ -74,7 +74,7 @@ impl Latest {
         }
     }
 
-    /// Writes the unsaved work to a new folder and returns that; `None` if there is none, or if it fails.
+    /// Writes the unsaved work to a new folder and returns that; `None` without unsaved work, or on failure.
     pub(super) fn keep(&self) -> Option<PathBuf> {
         let folder = folder()?;
         let noted = self.0.lock().unwrap_or_else(PoisonError::into_inner);

@@ -55,7 +55,7 @@ impl LightSpace {
         let seen = corners.map(|corner| matrix.transform_point3(corner));
         let angle = seen.iter().map(|p| p.truncate().length().atan2(p.z)).fold(0.0, f32::max);
         let outside = angle < WIDEST.to_radians();
-        // The nearest corner of a box along the axis is no farther than its nearest point.
+        // The nearest corner of a box along the axis is at most as far as its nearest point.
         let near = if outside { seen.iter().map(|p| p.z).fold(f32::INFINITY, f32::min).max(0.0) } else { 0.0 };
         let far = seen.iter().map(|p| p.length()).fold(0.0, f32::max).max(near + 1e-3);
         let side = scene.light.shadow_resolution;

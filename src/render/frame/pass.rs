@@ -237,7 +237,7 @@ pub enum BetweenSlices<'a> {
 }
 
 /// Clears the target and blends the slices into areas of it, as for [`march`], each within its tiles. With several
-/// samples per pixel the areas must not touch, and there are no tiles: lavapipe (Mesa 22) draws into the row beyond its
+/// samples per pixel the areas must not touch, and tiles are off: lavapipe (Mesa 22) draws into the row beyond its
 /// scissor, so that slices would be blended twice along a border.
 ///
 /// With a light, each slice follows the light behind it and reads the set of the buffer that holds the light before it.

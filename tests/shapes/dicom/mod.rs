@@ -141,7 +141,7 @@ fn what_is_around_the_image_is_read_over() {
     for way in WAYS {
         for has_lengths in [false, true] {
             let text = |tag, text: &[u8]| way.element(tag, b"LO", text);
-            // Elements in sequences are none of the image, even those that it has too.
+            // Elements in sequences do not count, even those that the image has too.
             let inner = [text(0x0008_0100, b"x"), way.element(0x0028_0010, b"US", &[9, 9])].concat();
             let middle = [
                 way.sequence(0x0040_a170, &[inner.clone(), Vec::new(), inner.clone()], !has_lengths),

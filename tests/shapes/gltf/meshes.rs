@@ -164,7 +164,7 @@ fn the_named_scene_else_the_first_else_every_root_is_read() {
 
 #[test]
 fn interleaved_vertices_are_found_in_their_places() {
-    // 4 bytes before, and behind each position a normal that is none.
+    // 4 bytes before, and behind each position an invalid normal.
     let mut data = vec![9; 4];
     for corner in CORNERS {
         data.extend(corner.iter().flat_map(|x| x.to_le_bytes()));

@@ -280,7 +280,7 @@ pub fn with_scene(text: &str) -> Vec<u8> {
     bytes
 }
 
-/// Pictures that are none, or hold no scene.
+/// Invalid pictures, and pictures without a scene.
 pub fn pictures() -> Vec<Bad> {
     let mut all = Vec::new();
     let plain = {
@@ -309,7 +309,7 @@ pub fn pictures() -> Vec<Bad> {
     all
 }
 
-/// Headers of modules that cannot be read, and GLSL that is none.
+/// Unreadable headers of modules, and invalid GLSL.
 pub fn modules() -> Vec<Bad> {
     let body = "float own(float density, Sample s) { return density; }\n";
     let lines = [

@@ -13,7 +13,7 @@ use std::process::Command;
 const VOLUMES: [&str; 6] = ["nrrd", "mha", "nii", "nii.gz", "npy", "vdb"];
 const MESHES: [&str; 4] = ["stl", "ply", "obj", "glb"];
 
-/// What the readers say of the files in a folder; `None`, and a word of it, where they are not there.
+/// Output of the readers for the files in a folder; `None`, with a message, if the readers are missing.
 fn told(folder: &Path) -> Option<Vec<Value>> {
     let python = std::env::var("HYPERTEXTURE_PYTHON").unwrap_or("python3".into());
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/cli/readers.py");

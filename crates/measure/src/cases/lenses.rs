@@ -148,7 +148,7 @@ pub(super) fn to_none(lab: &Lab<'_>, rows: &mut Rows) -> Result<(), CaseError> {
         let known = [(0.0, mean, 4.0 * f64::from(jump) + 5e-5)];
         rows.worst("almost invisible glass", format!("index 1 + 1e-{exponent}"), known).at(jump);
     }
-    // The sum of the directions over the shares of the light is no longer than 1, with total reflection or without.
+    // The sum of the directions over the shares of the light is at most 1 long, with total reflection or without.
     for index in [1.000_001f32, 1.3, 2.4, 4.0] {
         let mut scene = clear("cube", &[(0.0, 1.0), (0.5, index)], Curve::Steps);
         (scene.camera.azimuth, scene.camera.elevation, scene.quality.samples) = (30.0, 20.0, 64);

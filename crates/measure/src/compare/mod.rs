@@ -72,7 +72,7 @@ pub struct Settings {
     pub repeat: usize,
 }
 
-/// Why there is no comparison.
+/// The reason why a comparison failed.
 #[derive(Debug, thiserror::Error)]
 pub enum CompareError {
     /// A module is missing, or its header cannot be read.
@@ -378,7 +378,7 @@ fn first(
 }
 
 /// The scene whose truth has the octaves alone that a candidate's turbulence has; `None` where those are all that are asked
-/// for. `Some(None)` where there is no such scene: a sum of noise of all octaves is read beside it.
+/// for. `Some(None)` if such a scene is impossible, as beside a sum of noise of all octaves.
 #[expect(clippy::option_option, reason = "none is needed, or none can be had")]
 fn own_octaves(library: &Library, candidate: &Candidate) -> Result<Option<Option<Scene>>, String> {
     let (scene, held) = (&candidate.scene, candidate.scene.octaves_held(library));

@@ -29,7 +29,7 @@ impl<'a> Normals<'a> {
         Normals { renderer, finest, known: Vec::new() }
     }
 
-    /// The angles of a candidate; `None` where there is no surface of its own to look at.
+    /// The angles of a candidate; `None` for scenes without a surface to compare.
     pub(super) fn angles(&mut self, scene: &Scene) -> Option<Angles> {
         let finest = self.finest.as_ref()?;
         let look = look(scene);

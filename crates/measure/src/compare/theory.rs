@@ -29,7 +29,7 @@ impl Theory {
 /// Orders that differ by less are the same: few samples are not yet in the asymptotic range.
 const SLACK: f64 = 0.25;
 
-/// The theory of a scene; `None` where there is none: rays that bend, modules of one's own, octaves that fade by the step.
+/// The theory of a scene; `None` for bent rays, custom modules, and octaves that fade by the step.
 pub fn theory(scene: &Scene) -> Option<Theory> {
     let (effect, points) = (&scene.effect, scene.quality.integration == Integration::Point);
     if effect.bandlimit == "clamp" {

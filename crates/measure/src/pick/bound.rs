@@ -55,7 +55,7 @@ pub struct Pick {
     pub settings: String,
     /// Error of the whole picture.
     pub verified: Verified,
-    /// Reason for a comparison with a finer picture, if there is no reference.
+    /// Reason for a comparison with a finer picture in place of a reference.
     pub unverified: Option<String>,
     /// Candidates excluded by their bound, drawn ones, fitting ones; and methods left out for lack of time.
     pub counts: [usize; 4],

@@ -79,7 +79,7 @@ pub(super) struct Search<'a> {
     methods: Vec<Method>,
     /// Candidates that could not be drawn; their methods are given up.
     pub(super) failed: Vec<(Candidate, RenderError)>,
-    /// Why there is no reference, where there is none.
+    /// The reason for a missing reference.
     pub(super) unverified: Option<String>,
 }
 

@@ -34,7 +34,7 @@ struct Stored {
     scene: String,
 }
 
-/// The pick that was saved under a key; `None` if there is none, or its file is not as it was written.
+/// The pick that was saved under a key; `None` if it is missing or damaged.
 pub(super) fn load(key: blake3::Hash) -> Option<Pick> {
     let stored: Stored = toml::from_slice(&disk_cache::load(KIND, key)?).ok()?;
     Some(Pick {

@@ -89,7 +89,7 @@ pub enum CheckError {
         /// Their number and the first place.
         found: NotFinite,
     },
-    /// There is no ground truth.
+    /// The ground truth is missing.
     #[error("no truth for this picture: {0}")]
     Truth(Box<dyn Error>),
 }

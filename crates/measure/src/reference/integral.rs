@@ -6,7 +6,7 @@
 //! opaque is halved until it is too short to be seen: that is where the surface is. A piece whose samples find nothing
 //! is left alone only where bounds of the extinction say that nothing in it can be seen.
 //! Invariants: colors of a piece are mixed with positive weights and an opacity in [0, 1], so stiff matter stays stable.
-//! What bounds leave open is stated beside the error that samples show.
+//! The unproven opacity of bounds is stated beside the error estimated from samples.
 
 use super::transport::{Matter, Transport};
 

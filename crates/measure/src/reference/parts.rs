@@ -69,7 +69,7 @@ impl Ray {
     }
 }
 
-/// What bounds are computed of: a part of a ray, or of all rays through a box of the picture.
+/// Domain of a bound: a part of a ray, or of all rays through a box of the picture.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Beam {
     /// From where to where in pixels, by axis.

@@ -25,7 +25,7 @@ const WIDEST: u32 = 8;
 /// The program of a scene that gives one sample of a ray, ready to be evaluated.
 pub(super) struct Probe {
     pub(super) program: eval::Program,
-    /// What its opacity depends on.
+    /// The part of the program that the opacity depends on.
     pub(super) opacity: eval::Program,
     pub(super) cpu_inputs: CpuInputs,
     pub(super) moments: Vec<Moment>,
@@ -33,7 +33,7 @@ pub(super) struct Probe {
     pub(super) beam: u32,
     /// Side of these squares, in that of the picture.
     pub(super) width: f64,
-    /// What makes the shadow volume, where one is read.
+    /// The pass of the shadow volume, for programs that read one.
     caster: Option<Caster>,
 }
 
@@ -41,7 +41,7 @@ pub(super) struct Probe {
 pub(super) struct Linked {
     variant: Variant,
     program: Program,
-    /// What bounds are computed of: in it, noise that is computed in place is a lookup whose range is known.
+    /// The program for bounds, with computed noise replaced by a lookup of known range.
     bounded: Program,
     /// That noise, and the binding it is looked up in.
     noise: Option<(u32, Lattice)>,
@@ -62,7 +62,7 @@ impl Linked {
     }
 }
 
-/// What makes the shadow volume.
+/// The pass that computes the shadow volume.
 struct Caster {
     /// Where the probe reads it.
     binding: u32,
@@ -75,7 +75,7 @@ struct Caster {
 static LAST: Mutex<Option<(blake3::Hash, eval::Texture)>> = Mutex::new(None);
 
 impl Caster {
-    /// What the volume depends on.
+    /// Hash of the inputs of the volume.
     fn key(&self, blocks: &Blocks, inputs: &eval::Inputs) -> blake3::Hash {
         let mut hash = blake3::Hasher::new();
         hash.update(bytemuck::cast_slice(&self.linked.fragment)).update(&self.octaves.to_le_bytes());
@@ -226,7 +226,7 @@ impl Probe {
         PROBE * (self.cpu_inputs.depths[1] - self.cpu_inputs.depths[0])
     }
 
-    /// What the program reads at depths of rays.
+    /// Inputs of the program at depths of rays.
     pub(super) fn lanes(&self, pixels: &[[u32; 2]], wanted: &[(usize, f64)]) -> eval::Invocations<f64> {
         let lanes = wanted.iter().map(|&(ray, depth)| {
             let [x, y] = pixels[ray].map(|at| f64::from(at) + 0.5);

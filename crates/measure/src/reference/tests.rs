@@ -46,7 +46,7 @@ const THIN: [(&str, &[(&str, &str)]); 6] = [
 /// Samples of a ray that know better.
 const MANY: usize = 20_000;
 
-/// What so many samples of a ray see, and how far half of them, the even or the odd ones, are from that: premultiplied RGBA.
+/// Premultiplied RGBA of a ray by `count` samples, and its difference from that of the even or the odd ones alone.
 fn many(probe: &Probe, bound: &BoundProgram<'_>, at: [u32; 2], count: usize, random: &mut SplitMix) -> ([f64; 4], f64) {
     let [near, far] = probe.cpu_inputs.depths;
     let step = (far - near) / count as f64;

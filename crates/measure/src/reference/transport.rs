@@ -52,7 +52,7 @@ impl Transport {
             return Transport::CLEAR;
         }
         let half = (length / 24.0 * (5.0 * e0 + 8.0 * e1 - e2)).clamp(0.0, depth);
-        // What each sample shines, seen through what is before it; from the first that shines on, so that none is lost.
+        // Light of each sample, attenuated by the matter between it and the first sample with light.
         let depths = [(e0, 0.0), (4.0 * e1, half), (e2, depth)];
         let first = depths.iter().find(|(shines, _)| *shines > 0.0).map_or(0.0, |(_, depth)| *depth);
         let weights = depths.map(|(shines, depth)| shines * (first - depth).min(0.0).exp());

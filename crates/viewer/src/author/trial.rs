@@ -7,7 +7,7 @@ use hypertexture::shader::declare::declaration;
 use measure::guard::programs;
 use std::collections::BTreeSet;
 
-/// The first scene whose programs include the module: the current one, or a similar one. `None` if there is none.
+/// The first scene whose programs include the module: the current one, or a similar one. `None` if no scene does.
 pub(super) fn scene_with(
     scene: &Scene,
     library: &Library,

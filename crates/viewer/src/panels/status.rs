@@ -27,7 +27,7 @@ pub struct Status {
     pub ignored: Vec<String>,
     /// Settings that the picture does not read, whose controls are dimmed.
     pub idle: Vec<String>,
-    /// Width and height of the picture in the window, pixels; 0 if there is none.
+    /// Width and height of the picture in the window, pixels; 0 without a picture.
     pub window: [u32; 2],
     /// Facts about the rendering: pairs of a name and a value.
     pub made: Vec<[String; 2]>,

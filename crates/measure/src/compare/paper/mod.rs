@@ -58,7 +58,7 @@ pub enum Cell {
     Scaled(f64),
     /// It could not be drawn.
     Failed,
-    /// Nothing is known: it was not asked for, or there is no such module.
+    /// Unknown: not requested, or without a module.
     Missing,
 }
 

@@ -128,7 +128,7 @@ pub struct Row {
     pub shots: Vec<Option<usize>>,
     /// Frames per second of the cards of the table in each column, where the paper prints them.
     pub paper: Vec<Vec<Option<f64>>>,
-    /// The error that the paper lacks, of the first column at [`Plan::error_size`]; or why there is none.
+    /// The error that the paper lacks, of the first column at [`Plan::error_size`]; or the reason why it is missing.
     pub errors: Option<Result<Errors, String>>,
     /// Its scene, but for window and sampling.
     pub scene: Scene,
@@ -171,7 +171,7 @@ pub struct Replay {
     pub shots: Vec<Shot>,
     /// The sweep of Eq. 7, by rising k.
     pub bumps: Vec<Bump>,
-    /// Why there is no such sweep.
+    /// The reason for a missing sweep.
     pub bump_failure: Option<String>,
     /// Whether it was stopped before its end.
     pub partial: bool,

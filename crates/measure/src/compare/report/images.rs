@@ -53,7 +53,7 @@ pub fn scale() -> String {
     address([WIDTH, 1], &colors)
 }
 
-/// The color of an error; of one that is no number, that of the largest.
+/// The color of an error; NaN has that of the largest.
 fn heat(error: f64) -> [u8; 3] {
     let [low, high] = HEAT;
     let error = if error.is_nan() { high } else { error };

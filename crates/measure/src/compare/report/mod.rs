@@ -105,7 +105,7 @@ pub fn pictures(session: Session<'_>, comparison: &Comparison, failures: &mut Ve
     chosen.filter_map(draw).collect()
 }
 
-/// Writes the report into a folder, which is made if there is none; gives the path of the page.
+/// Writes the report into a folder, which is created if necessary; gives the path of the page.
 ///
 /// # Errors
 /// Errors of the file system; a file is whole or unchanged.

@@ -20,7 +20,7 @@ use support::write_whole;
 /// Files of the report.
 pub const FILES: [&str; 4] = ["paper.html", "paper.md", "paper.csv", "paper.json"];
 
-/// Writes the report into a folder, which is made if there is none; gives the path of the page.
+/// Writes the report into a folder, which is created if necessary; gives the path of the page.
 ///
 /// # Errors
 /// Errors of the file system; a file is whole or unchanged.
