@@ -99,7 +99,10 @@ pub(crate) fn with_module_cause(
         Ok(Some(fault)) => format!("{fault}; {FINITE}"),
         Ok(None) => {
             let all: Vec<String> = own.iter().map(|path| path.clone() + &with(library, &variant, path)).collect();
-            format!("no module that ships gives them; look for what is too large for f32 in {}", all.join(" and in "))
+            format!(
+                "shipped modules are not the cause; look for values beyond the range of f32 in {}",
+                all.join(" and in ")
+            )
         }
     };
     RenderError::NotFinite { count: *count, x: *x, y: *y, cause }

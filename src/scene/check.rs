@@ -107,7 +107,7 @@ impl Scene {
             let empty = |declared: &Declarations| declared.outside == Outside::Empty;
             if !empty(&header(library, "classify", &self.effect.classify)) {
                 let empty = declaring(library, "classify", empty);
-                return sparse(format!("needs effect.classify = {empty}: others color what is beyond the soft region"));
+                return sparse(format!("needs effect.classify = {empty}: others color space beyond the soft region"));
             }
         }
         self.check_light()?;

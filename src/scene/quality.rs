@@ -64,7 +64,7 @@ choices! {
 choices! {
     /// Integration along a ray.
     pub enum Integration {
-        /// Density at points; hard surfaces are located. First order in soft matter.
+        /// Density at points; hard surfaces are located. Second order in smooth matter, first order at a hard core.
         #[default]
         Point = "point",
         /// Density linear over half a step to either side. Second order at surfaces and in opaque matter.

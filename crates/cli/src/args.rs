@@ -26,7 +26,7 @@ pub struct Arguments {
     /// Part of the name of the Vulkan device to use.
     #[arg(long, global = true, env = "HYPERTEXTURE_DEVICE", value_name = "NAME")]
     pub device: Option<String>,
-    /// Say nothing but errors.
+    /// Print only errors.
     #[arg(long, short, global = true)]
     pub quiet: bool,
 }
@@ -36,7 +36,7 @@ pub struct Arguments {
 pub enum Command {
     /// Render a picture.
     Render(Box<Render>),
-    /// Show a window, in which the mouse turns the scene and panels change it.
+    /// Show the live window: the mouse turns the scene, and panels change it.
     #[cfg(feature = "viewer")]
     View(Box<ViewArguments>),
     /// Join the shards of a picture, as `render --shard` writes them.

@@ -31,24 +31,22 @@ const SIZE: [u32; 2] = [128, 128];
 /// Arguments of `compare`.
 #[derive(Args)]
 pub struct Compare {
-    /// An object, a scene file (.toml), or an effect or example scene such as fire; with --paper, the object, teapot unless said
-    /// otherwise.
+    /// An object, a scene file (.toml), or an effect or example scene such as fire; with --paper, the object [default: teapot].
     #[arg(value_name = "SCENE", required_unless_present = "paper")]
     input: Option<String>,
-    /// Replay the tables of Miller and Jones 2005 instead: frames per second of their six effects and four ways to get
-    /// turbulence in their windows, beside what they print, with errors; on --samples slices [default: 128].
+    /// Replay the tables of Miller and Jones 2005: frames per second of six effects and four sources of turbulence, with errors,
+    /// beside the printed ones; on --samples slices [default: 128].
     #[arg(long, conflicts_with_all = ["effect", "debug_view", "sweep", "strategies", "pass", "integration", "msaa", "anisotropy"])]
     pub paper: bool,
-    /// With --paper: the windows are this part of the paper's in width and height, for a quick look, which leaves out the
-    /// largest block of noise.
+    /// With --paper: scale of the paper's windows in width and height. It leaves out the largest block of noise.
     #[arg(long, requires = "paper", value_name = "PART")]
     pub scale: Option<f64>,
-    /// Where the report goes: a folder.
+    /// Folder of the report.
     #[arg(long, short, default_value = "compare", value_name = "FOLDER")]
     pub output: PathBuf,
-    /// Every candidate, block, format and up to 512 samples: half an hour and more on two cores, for a few minutes
-    /// otherwise. Without it and without --sweep, the front of the scene's own noise gets twice the samples, again and
-    /// again, until an error of 0.001 or for 60 seconds. With --paper, all windows, not only 300 x 300 without smoothing.
+    /// Try every candidate, block, format and up to 512 samples, which takes long. Without this and --sweep, the front of the
+    /// scene's own noise doubles its samples up to an error of 0.001, for at most 60 seconds. With --paper, all windows in place
+    /// of 300 x 300 without smoothing.
     #[arg(long)]
     pub thorough: bool,
     /// Timed runs of each candidate, at most, 1 to 1000 [default: 7; thorough: 31].

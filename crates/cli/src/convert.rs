@@ -74,9 +74,9 @@ pub(super) fn run(command: &Convert, quiet: bool) -> Result<(), Box<dyn Error>> 
             format!("mesh       {} vertices, {} triangles", mesh.positions.len(), mesh.triangles.len())
         }
         (_, Some(_), _) => {
-            return Err(format!("{input}: is no volume; `hypertexture field {input}` writes its distance field").into());
+            return Err(format!("{input}: not a volume; `hypertexture field {input}` writes its distance field").into());
         }
-        _ => return Err(format!("{input}: is no mesh; `hypertexture mesh {input}` writes its surface as one").into()),
+        _ => return Err(format!("{input}: not a mesh; `hypertexture mesh {input}` writes its surface as one").into()),
     };
     write_whole(path, &bytes).map_err(|error| format!("{}: {error}; nothing was written", path.display()))?;
     if !quiet {

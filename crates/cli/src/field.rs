@@ -84,7 +84,7 @@ pub(super) fn run(command: &Field, quiet: bool) -> Result<(), Box<dyn Error>> {
 fn without_inside(shape: &Shape) -> &'static str {
     match shape {
         Shape::Mesh(mesh) if mesh.enclosed().is_nothing => Mesh::ENCLOSES_NOTHING,
-        _ => "what it encloses is thinner than a voxel; raise --resolution, or give it a thickness (--shell)",
+        _ => "its inside is thinner than a voxel; raise --resolution, or give it a thickness (--shell)",
     }
 }
 

@@ -55,7 +55,7 @@ pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<
     }
     if report.replay.partial {
         return Err(
-            Interrupted("interrupted: what was measured is in the report, which is marked as partial".into()).into()
+            Interrupted("interrupted: the report has the measurements so far and is marked as partial".into()).into()
         );
     }
     match report.replay.failures().as_slice() {

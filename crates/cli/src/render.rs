@@ -46,13 +46,13 @@ pub struct Render {
     /// Write the scene in use, complete with defaults.
     #[arg(long, value_name = "FILE")]
     pub save_scene: Option<PathBuf>,
-    /// Predict the cost of the picture from small ones, and write none.
+    /// Predict the cost of the picture from smaller ones, without writing a file.
     #[arg(long, conflicts_with_all = ["frames", "shard"])]
     pub predict: bool,
     /// Draw with the fastest settings within this error, such as 1e-3. They replace the scene's settings for accuracy.
     #[arg(long, value_name = "ERROR", conflicts_with = "shard")]
     pub max_error: Option<f64>,
-    /// Metric of --max-error: rmse (linear RGBA), covered (the same where there is something), rgb, opacity, max, p999.
+    /// Metric of --max-error: rmse (linear RGBA), covered (rmse of covered pixels), rgb, opacity, max, p999.
     #[arg(long, default_value = "rmse", value_parser = metric, requires = "max_error")]
     pub metric: Metric,
     /// Write the error of each pixel against the f64 reference: .exr (absolute error of premultiplied linear RGBA, `estimate`, the
@@ -170,7 +170,7 @@ pub(super) fn run(command: &Render, options: &Options, quiet: bool) -> Result<()
         return Err(format!("--validity {}: its colors are words; write .png", file.display()).into());
     }
     if let Some(file) = command.depth_map.as_ref().filter(|file| !ends(file, "exr")) {
-        return Err(format!("--depth-map {}: a depth is no color; write .exr", file.display()).into());
+        return Err(format!("--depth-map {}: a color file cannot store a depth; write .exr", file.display()).into());
     }
     if command.depth_map.is_some() {
         check_depth(&scene, &library)?;

@@ -44,7 +44,7 @@ pub(super) fn run(command: &Stress, options: &Options, quiet: bool) -> Result<()
 fn device(command: &Stress, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     let all: Vec<cases::Case> = cases::suite(Suite::Stress).collect();
     if let Some(unknown) = command.cases.iter().find(|number| !all.iter().any(|case| case.number == **number)) {
-        return Err(format!("--cases {unknown}: there is no such case; there are 1 to {}", all.len()).into());
+        return Err(format!("--cases {unknown}: unknown case; the cases are 1 to {}", all.len()).into());
     }
     let chosen = all.into_iter().filter(|case| command.cases.is_empty() || command.cases.contains(&case.number));
     let chosen: Vec<cases::Case> = chosen.collect();

@@ -42,9 +42,9 @@ pub(super) fn write_validity(picture: &Picture<'_>, frame: &Frame, path: &Path) 
 
 fn words(validity: &Validity) -> String {
     let is_proven = validity.found.iter().any(|found| found.cause.name == OPEN.name && found.most.is_ok());
-    let proven = if is_proven { "are proven to show all that is there, and " } else { "" };
+    let proven = if is_proven { "are proven to miss no matter, and " } else { "" };
     let mut text = format!(
-        "validity   {:.1} % of {} pixels {proven}change by less than {TRUSTED:.1e} whatever is made better\n",
+        "validity   {:.1} % of {} pixels {proven}change by less than {TRUSTED:.1e} with any better setting\n",
         validity.trusted(),
         validity.covered
     );

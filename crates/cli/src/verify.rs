@@ -114,7 +114,7 @@ fn picture(image: &Path, command: &Verify, options: &Options, quiet: bool) -> Re
         say(&format!("picture    {}\n{}", words::line(&about), verdict.text()));
         if disagreement.is_none() {
             let (metric, error) = (verdict.metric, verdict.error());
-            say(&format!("the picture is what its scene gives, and off by {metric} {error:.1e} from the truth\n"));
+            say(&format!("its scene gives this picture, with an error of {metric} {error:.1e}\n"));
         }
     }
     disagreement.map_or(Ok(()), |line| Err(Failed(line).into()))
@@ -126,11 +126,10 @@ fn fault(verdict: &Verdict) -> Option<String> {
     match (verdict.is_of_scene(), verdict.is_accurate()) {
         (true, true) => None,
         (false, _) => Some(format!(
-            "this is not what its scene gives: {changed} of {all} pixels changed, {foreign} of them to what is not around them"
+            "its scene gives another picture: {changed} of {all} pixels changed, {foreign} of them beyond the values around them"
         )),
         (true, false) => Some(format!(
-            "this is what its scene gives, and that is not accurate: off by {metric} {:.1e} from the truth where {bound:.1e} is \
-             allowed",
+            "its scene gives this picture, but it is not accurate: an error of {metric} {:.1e}, above the bound of {bound:.1e}",
             verdict.error()
         )),
     }

@@ -115,8 +115,8 @@ pub enum ParameterKind {
 
 /// Syntax of each declaration, for errors.
 const FORMS: [(&str, &str); 16] = [
-    ("param", "`// @param name = 0.5 in [0, 1]: What it does.`"),
-    ("color", "`// @color name = #ff8000: What it is.`"),
+    ("param", "`// @param name = 0.5 in [0, 1]: Its effect.`"),
+    ("color", "`// @color name = #ff8000: Its meaning.`"),
     ("outer", "`// @outer parameter`, which the module declares by `// @param`"),
     ("move", "`// @move parameter` or, of one axis, `// @move +y 0.5 * parameter`"),
     ("grow", "`// @grow parameter` or, of one axis, `// @grow +y 0.5 * parameter`"),

@@ -45,7 +45,7 @@ pub enum LibraryError {
         name: String,
     },
     /// The slot does not exist.
-    #[error("{path}: #include <{slot}>: there is no such slot; docs/modules.md lists them")]
+    #[error("{path}: #include <{slot}>: unknown slot; docs/modules.md lists them")]
     Slot {
         /// The module.
         path: String,

@@ -74,7 +74,7 @@ pub const CAUSES: [Cause; 9] = [
     },
     Cause {
         name: "step",
-        why: "matter is thinner than a step, or bends within one: more quality.samples, or quality.integration = \"segment\"",
+        why: "matter is thinner than a step, or changes within one: more quality.samples, or quality.integration = \"segment\"",
         color: [230, 159, 0],
         persists: false,
         other: Other::Scene(|scene| {
@@ -84,7 +84,7 @@ pub const CAUSES: [Cause; 9] = [
     },
     Cause {
         name: "pixel",
-        why: "there is detail finer than a pixel, such as octaves past what it resolves: quality.supersampling, or fewer octaves",
+        why: "details are finer than a pixel, such as unresolved octaves: more quality.supersampling, or fewer octaves",
         color: [86, 180, 233],
         persists: false,
         other: Other::Scene(|scene| {
@@ -114,7 +114,7 @@ pub const CAUSES: [Cause; 9] = [
     },
     Cause {
         name: "lattice",
-        why: "noise so far from its origin that f32 cannot tell places apart: a lower frequency, or coordinates nearer to 0",
+        why: "noise is so far from its origin that f32 cannot resolve positions: a lower frequency, or coordinates nearer to 0",
         color: [240, 228, 66],
         persists: false,
         other: Other::Modules(|scene, library| {
@@ -154,7 +154,7 @@ fn changed(scene: &Scene, applies: bool, change: impl FnOnce(&mut Scene)) -> Opt
 /// Matter so thin that all renderings miss it, or may miss it.
 pub const OPEN: Cause = Cause {
     name: "open",
-    why: "the f64 reference has what all drawings miss, or its bounds leave open whether it does: thicker matter, fewer octaves",
+    why: "the f64 reference differs, or its bounds leave opacity unproven; no setting is the cause: thicker matter, or fewer octaves",
     color: [73, 0, 146],
     persists: false,
     other: Other::Scene(|_| None),

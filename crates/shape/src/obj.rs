@@ -57,7 +57,7 @@ pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     }
     check_positions(&source.file, "vertices", &positions)?;
     let unread =
-        foreign.map_or(String::new(), |(word, line)| format!("; {word} in line {line} is no statement of OBJ"));
+        foreign.map_or(String::new(), |(word, line)| format!("; {word} in line {line} is not an OBJ statement"));
     source.finish(Mesh::cleaned(&positions, triangles), format!("{} vertices and no face{unread}", positions.len()))
 }
 
@@ -211,7 +211,7 @@ mod tests {
             ("v 0 0 0\n", "no triangles (1 vertices and no face)"),
             (
                 "v 0 0 0\nl 1 1\nface 1 2 3\nfaces\n",
-                "no triangles (1 vertices and no face; `face` in line 3 is no statement",
+                "no triangles (1 vertices and no face; `face` in line 3 is not an OBJ statement",
             ),
             ("v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n", "no triangles (1 of zero area were dropped)"),
         ] {

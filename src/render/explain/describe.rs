@@ -34,7 +34,7 @@ pub fn describe_frame(
     lines.extend(m.left_out.iter().map(|part| line("left out", format!("{part}: {}", why_left_out(part)))));
     let variant = Variant::of(scene, library)?;
     let zero = variant.slots.get(FOLDED).map(|names| names.join(", "));
-    lines.extend(zero.map(|names| line("left out", format!("what these take away, as they are 0: {names}"))));
+    lines.extend(zero.map(|names| line("left out", format!("terms of parameters that are 0: {names}"))));
     lines.extend(octaves_held(m, scene, library).map(|text| line("octaves", text)));
     lines.extend(m.cells.as_ref().map(|cells| line("cells", cells.to_string())));
     lines.extend(warnings(m, scene, subject, library)?.into_iter().map(|text| line("note", text)));

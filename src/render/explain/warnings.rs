@@ -111,7 +111,7 @@ fn thin_shell(scene: &Scene, subject: &Subject) -> Option<String> {
     (shell > 0.0 && shell < 2.0 * voxel).then(|| {
         let needed = (scene.object.resolution as f32 * 2.0 * voxel / shell).ceil();
         format!(
-            "object.shell = {shell} is less than two voxels ({:.2e}) and may have holes; object.resolution = {needed} has none",
+            "object.shell = {shell} is less than two voxels ({:.2e}) and may have holes; object.resolution = {needed} prevents them",
             2.0 * voxel
         )
     })

@@ -102,7 +102,7 @@ pub(super) fn settled(mut opened: Opened, object: &Object) -> Opened {
             volume.content = shape::Content::SignedDistance;
         }
         if volume.content == shape::Content::SignedDistance && !volume.is_aligned() {
-            let note = "its grid stands askew; its surface is kept, distances are computed anew";
+            let note = "its grid is skewed; its surface is used, distances are recomputed";
             opened.notes.push(note.into());
             volume.content = shape::Content::LevelSet;
         }
@@ -110,7 +110,7 @@ pub(super) fn settled(mut opened: Opened, object: &Object) -> Opened {
             && let Some(slope) = volume.slope_at_zero().filter(|slope| !DISTANCE.contains(slope))
         {
             opened.notes.push(format!(
-                "its values are no distances, they change by {slope:.3} per world unit; its surface is kept, distances are computed anew"
+                "its values change by {slope:.3} per world unit, unlike distances; its surface is used, distances are recomputed"
             ));
             volume.content = shape::Content::LevelSet;
         }

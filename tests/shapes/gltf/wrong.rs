@@ -329,7 +329,7 @@ fn text_that_is_no_document_is_said_with_its_line() {
         ("{ \"asset\": { \"version\": \"2.0\" } }", "no triangles"),
         (
             "{ \"asset\": { \"version\": \"2.0\" }, \"nodes\": [{ \"children\": [1] }, { \"children\": [0] }] }",
-            "nodes: expected one that is no child of another",
+            "nodes: expected a node without a parent",
         ),
     ] {
         let line = read("test.gltf", text.as_bytes()).unwrap_err().to_string();

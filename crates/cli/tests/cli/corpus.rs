@@ -147,7 +147,7 @@ fn arguments() -> Vec<Bad> {
         }
     }
     for (command, named) in [
-        ("stress --cases 99", "--cases 99: there is no such case; there are 1 to 41"),
+        ("stress --cases 99", "--cases 99: unknown case; the cases are 1 to 41"),
         ("stress --cases x", "--cases"),
         ("stress --json none/s.json", "none/s.json"),
         ("stress --html none/s.html", "none/s.html"),

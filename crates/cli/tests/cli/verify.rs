@@ -66,7 +66,7 @@ fn every_picture_says_which_scene_it_shows_and_is_verified_by_it() {
         assert!(said.contains("none of 1920 pixels differ: the same device and driver"), "{said}");
         assert!(said.contains("truth      200 pixels") && said.contains("unchanged: body.obj"), "{said}");
         let metric = if options.contains("background") { "rgb" } else { "rmse" };
-        assert!(said.contains(&format!("the picture is what its scene gives, and off by {metric} ")), "{said}");
+        assert!(said.contains(&format!("its scene gives this picture, with an error of {metric} ")), "{said}");
 
         // A picture is its own scene file.
         let end = &file[file.len() - 4..];
@@ -130,7 +130,7 @@ fn a_picture_that_was_altered_is_found_out() {
         frame.pixels[20 * 48 + 10..20 * 48 + 13].fill([0.0, 0.5, 0.0, 1.0]);
         write(&frame);
         let said = bad(desk, &format!("verify {file} --pixels 10 --bound 1 -q"), 1);
-        assert!(said.contains("this is not what its scene gives: 3 of 1920 pixels changed"), "{said}");
+        assert!(said.contains("its scene gives another picture: 3 of 1920 pixels changed"), "{said}");
         // More of it, seen by the truth as well.
         frame.pixels.iter_mut().for_each(|pixel| *pixel = pixel.map(|channel| 0.5 * channel));
         write(&frame);
@@ -154,7 +154,7 @@ fn a_picture_with_a_pixel_that_is_no_number_is_not_that_of_its_scene() {
         output::write(&frame, None, Depth::Eight, &provenance, &path).unwrap();
         // One of the pixels that are held against the truth or none: all of them are looked at.
         let said = bad(desk, "verify a.exr --pixels 1 -q", 1);
-        let expected = "this is not what its scene gives: 2 of 1920 pixels are NaN or infinite, the first 7 3";
+        let expected = "its scene gives another picture: 2 of 1920 pixels are NaN or infinite, the first 7 3";
         assert!(said.contains(expected), "{said}");
     }
 }
@@ -183,11 +183,11 @@ fn a_picture_of_another_device_may_round_another_way_and_no_more() {
     write(&elsewhere, &|_, _, pixel| moved(pixel, 1));
     assert!(good(desk, "verify a.png --pixels 50").contains("another device, driver or version"));
     write(&own, &|_, _, pixel| moved(pixel, 1));
-    assert!(bad(desk, "verify a.png --pixels 50 -q", 1).contains("this is not what its scene gives"));
+    assert!(bad(desk, "verify a.png --pixels 50 -q", 1).contains("its scene gives another picture"));
     write(&elsewhere, &|x, y, pixel| if patch(x, y) { pixel.map(|code| 255 - code) } else { pixel });
-    assert!(bad(desk, "verify a.png --pixels 50 -q", 1).contains("to what is not around them"));
+    assert!(bad(desk, "verify a.png --pixels 50 -q", 1).contains("beyond the values around them"));
     write(&elsewhere, &|x, y, pixel| moved(pixel, noise(x, y)));
-    assert!(bad(desk, "verify a.png --pixels 50 -q", 1).contains("this is not what its scene gives"));
+    assert!(bad(desk, "verify a.png --pixels 50 -q", 1).contains("its scene gives another picture"));
 }
 
 #[test]
@@ -203,11 +203,11 @@ fn a_coarse_picture_is_what_its_scene_gives_and_its_error_is_said() {
         good(desk, &format!("render {arguments} --size 48x40 -o a.png"));
         let said = good(desk, "verify a.png --pixels 100");
         println!("{said}");
-        assert!(said.contains("the picture is what its scene gives, and off by rmse "), "{arguments}: {said}");
+        assert!(said.contains("its scene gives this picture, with an error of rmse "), "{arguments}: {said}");
     }
     good(desk, "render torus --effect fur --size 48x40 --samples 4 -o a.png");
     let said = bad(desk, "verify a.png --pixels 100 --bound 1e-3 -q", 1);
-    assert!(said.contains("this is what its scene gives, and that is not accurate: off by rmse "), "{said}");
+    assert!(said.contains("its scene gives this picture, but it is not accurate: an error of rmse "), "{said}");
 }
 
 #[test]

@@ -152,7 +152,7 @@ fn a_driver_that_crashes_on_a_way_costs_the_pick_that_one() {
     });
 }
 
-/// Scenes share an object, and its field where it reaches as far: a picture is what its scene gives, as `verify` asks.
+/// Scenes share an object, and its field where it reaches as far: a scene gives its picture, as `verify` checks.
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn a_picture_of_the_gallery_is_that_of_its_scene() {

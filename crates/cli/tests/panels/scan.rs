@@ -27,7 +27,7 @@ fn what_a_scan_holds_is_shown_and_its_iso_values_are_offered() {
     let [iso] = told.iso_values[..] else { panic!("one boundary: {:?}", told.iso_values) };
     assert!((50.0..150.0).contains(&iso), "{iso}");
     let mut hand = Hand::advanced(scene);
-    hand.click("What it holds");
+    hand.click("Contents");
     let offered = format!("object.iso={iso}");
     let start = Instant::now();
     while hand.0.query_by_label(&offered).is_none() {

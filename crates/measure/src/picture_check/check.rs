@@ -82,7 +82,7 @@ pub enum CheckError {
         said: [u32; 2],
     },
     /// Some pixels are NaN or infinite.
-    #[error("{path}: this is not what its scene gives: {found}")]
+    #[error("{path}: its scene gives another picture: {found}")]
     NotFinite {
         /// The picture.
         path: String,

@@ -62,7 +62,7 @@ impl Visits<'_, '_> {
         }
         let roots: Vec<u32> = (0..document.nodes.len() as u32).filter(|&node| !is_child[node as usize]).collect();
         if roots.is_empty() && !document.nodes.is_empty() {
-            return Err(malformed(source, "nodes".into(), "one that is no child of another", "circles only"));
+            return Err(malformed(source, "nodes".into(), "a node without a parent", "circles only"));
         }
         self.add(&roots, DAffine3::IDENTITY, |at| format!("nodes[{}]", roots[at]))
     }

@@ -107,7 +107,7 @@ impl Panels {
             true => Some(kept("The scene")),
             false => text().then(|| kept("The text of a module")),
         };
-        let running = self.finals.progress().map(|progress| format!("What is rendered ends too ({progress})."));
+        let running = self.finals.progress().map(|progress| format!("The running render also ends ({progress})."));
         let all: Vec<String> = unsaved.into_iter().chain(running).collect();
         (!all.is_empty()).then(|| all.join("\n"))
     }
@@ -235,7 +235,7 @@ impl Panels {
     fn sections(&mut self, ui: &mut Ui, pass: &mut Pass<'_>) {
         ui.horizontal_wrapped(|ui| {
             for (advanced, text, name, doc) in [
-                (false, "Basic", "view.basic", "What most pictures need."),
+                (false, "Basic", "view.basic", "Common settings."),
                 (true, "Advanced", "view.advanced", "Every setting of a scene file."),
             ] {
                 let response = ui.selectable_label(self.advanced == advanced, text).on_hover_text(doc);
@@ -255,7 +255,7 @@ impl Panels {
         let part = part.as_deref();
         section(ui, "Object", false, |ui| object::show(ui, pass, part));
         if advanced {
-            section(ui, "What it holds", false, |ui| file_info::show(ui, pass, part, &mut self.known));
+            section(ui, "Contents", false, |ui| file_info::show(ui, pass, part, &mut self.known));
         }
         // Above the parameters, whose number changes with the modules, so that nothing moves under the pointer.
         if advanced {
