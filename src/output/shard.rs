@@ -5,7 +5,7 @@
 //! pixels on 64 processors, a dozen workstations).
 
 use crate::output::{Depth, Provenance};
-use crate::render::variant::Variant;
+use crate::render::variant::Checkable;
 use crate::render::{Frame, Measurements, RenderError, Subject};
 use crate::scene::{self, Color, Scene};
 use crate::shader::{Library, Linker};
@@ -160,9 +160,14 @@ fn band_rows(height: u32, count: u32) -> u32 {
 ///
 /// # Errors
 /// The scene has no valid program.
-pub fn identity(scene: &Scene, library: &Library, subject: &Subject) -> Result<blake3::Hash, RenderError> {
-    let program = Variant::of(scene, library)?.program(library, Linker::new)?;
-    Ok(identity_by(scene, subject, &[&program.vertex, &program.fragment].map(|words| bytemuck::cast_slice(words))))
+pub fn identity(scene: &impl Checkable, library: &Library, subject: &Subject) -> Result<blake3::Hash, RenderError> {
+    let variant = scene.checked(library)?;
+    let program = variant.program(library, Linker::new)?;
+    Ok(identity_by(
+        &variant.scene,
+        subject,
+        &[&program.vertex, &program.fragment].map(|words| bytemuck::cast_slice(words)),
+    ))
 }
 
 /// A cheaper identity, by the texts of the library in place of the linked program, which saves up to a second. It also changes
@@ -170,9 +175,13 @@ pub fn identity(scene: &Scene, library: &Library, subject: &Subject) -> Result<b
 ///
 /// # Errors
 /// The scene is not valid.
-pub fn identity_of_texts(scene: &Scene, library: &Library, subject: &Subject) -> Result<blake3::Hash, RenderError> {
-    let key = Variant::of(scene, library)?.text_hash(library);
-    Ok(identity_by(scene, subject, &[key.as_bytes()]))
+pub fn identity_of_texts(
+    scene: &impl Checkable,
+    library: &Library,
+    subject: &Subject,
+) -> Result<blake3::Hash, RenderError> {
+    let variant = scene.checked(library)?;
+    Ok(identity_by(&variant.scene, subject, &[variant.text_hash(library).as_bytes()]))
 }
 
 fn identity_by(scene: &Scene, subject: &Subject, program: &[&[u8]]) -> blake3::Hash {

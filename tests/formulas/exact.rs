@@ -520,8 +520,7 @@ fn every_program_of_every_preset_lowers() {
             let ms = start.elapsed().as_secs_f64() * 1e3;
             println!("{name}, {}: {} instructions, {ms:.1} ms", variant.entries[1], program.instructions());
             if pass == own {
-                let of_light =
-                    if has_rays { variant.shadow(&scene, &library) } else { variant.light(&scene, &library) };
+                let of_light = if has_rays { variant.shadow(&library) } else { variant.light(&library) };
                 let shadow = of_light.unwrap().program(&library, Linker::new).unwrap();
                 Program::read(&shadow.fragment, &[]).unwrap_or_else(|error| panic!("shadow of {name}: {error}"));
             }

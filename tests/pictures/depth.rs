@@ -224,7 +224,11 @@ fn its_program_reads_no_image_that_the_picture_does_not() {
         }
         let variant = Variant::of(&scene, &library).unwrap();
         let picture = variant.program(&library, Linker::new).unwrap();
-        let depth = variant.depth(&by_rays, &library).unwrap().program(&library, Linker::new).unwrap();
+        let depth = Variant { scene: by_rays, ..variant.clone() }
+            .depth(&library)
+            .unwrap()
+            .program(&library, Linker::new)
+            .unwrap();
         for image in depth.resources.iter().filter(|resource| !matches!(resource.holds, Use::Block(_))) {
             assert!(picture.reads(&image.name), "{name} by {pass}, {way:?}: {}", image.name);
         }

@@ -9,7 +9,6 @@ use crate::render::camera::FrameContext;
 use crate::render::error::RenderError;
 use crate::render::inputs::{ImageInfo, Inputs, TIME, Values, blocks, texture, wrap};
 use crate::render::variant::{OCTAVES_ID, Program, Resource, Variant, VariantError};
-use crate::scene::Scene;
 use crate::shader::{Library, Linker};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -86,12 +85,8 @@ pub(super) struct CellGrid {
 }
 
 /// The program that decides where matter is, and the noise that it looks up.
-pub(super) fn deciding(
-    variant: &Variant,
-    scene: &Scene,
-    library: &Library,
-) -> Result<(Program, Option<Lattice>), VariantError> {
-    let variant = variant.cells(scene, library)?;
+pub(super) fn deciding(variant: &Variant, library: &Library) -> Result<(Program, Option<Lattice>), VariantError> {
+    let variant = variant.cells(library)?;
     match bounded_noise::bounded(&variant, library) {
         Some((program, noise)) => Ok((program, Some(noise))),
         None => Ok((variant.program(library, Linker::new)?, None)),
@@ -106,11 +101,11 @@ impl CellProver {
         image_of: &dyn Fn(&str) -> Option<ImageInfo>,
         pays: impl Fn(u64) -> bool,
     ) -> Result<CellProver, RenderError> {
-        let (program, noise) = match deciding(&frame.variant, &frame.scene, library) {
+        let (program, noise) = match deciding(&frame.variant, library) {
             Ok(deciding) => deciding,
             Err(error) => return Ok(CellProver::Unavailable(error.to_string())),
         };
-        let octaves = [(OCTAVES_ID, frame.scene.effect.octaves)];
+        let octaves = [(OCTAVES_ID, frame.variant.scene.effect.octaves)];
         let code = match eval::Program::read_channel(&program.fragment, &octaves, (0, 3)) {
             Ok(code) => code,
             Err(error) => return Ok(CellProver::Unavailable(error.to_string())),

@@ -33,7 +33,7 @@ fn a_cell_knows_how_far_it_is_to_the_next_that_may_hold_matter() {
 
 /// Context of a scene with its loaded subject.
 fn context(scene: &Scene, library: &Library) -> FrameContext {
-    FrameContext::new(scene, &Subject::load(scene, library, &|_| ()).unwrap(), library).unwrap()
+    FrameContext::of(Variant::of(scene, library).unwrap(), &Subject::load(scene, library, &|_| ()).unwrap())
 }
 
 /// The prover of a scene, and the values of its first picture, which are set.
@@ -104,9 +104,10 @@ fn cells_end_where_something_else_is_to_be_done() {
 
 /// The drawn program of matter, without replaced noise.
 pub(super) fn drawn(scene: &Scene, library: &Library, frame: &FrameContext) -> (eval::Program, eval::Inputs) {
-    let program = frame.variant.cells(scene, library).unwrap().program(library, Linker::new).unwrap();
+    let variant = Variant { scene: scene.clone(), ..frame.variant.clone() };
+    let program = variant.cells(library).unwrap().program(library, Linker::new).unwrap();
     let code = eval::Program::read(&program.fragment, &[(OCTAVES_ID, scene.effect.octaves)]).unwrap();
-    let read = CpuInputs::new(library, scene, &frame.subject, &frame.variant, &program).unwrap();
+    let read = CpuInputs::new(library, &variant, &frame.subject, &program).unwrap();
     let blocks = read.moments(&program).unwrap().swap_remove(0);
     (code, eval::Inputs { blocks, ..read.exact() })
 }
@@ -231,7 +232,7 @@ fn noise_is_not_looked_up_in_place_of_cells_that_a_module_reads() {
         let text = format!("float own(float d, Sample s) {{ return {look_up}; }}");
         let library = shader::shipped().with_module("dmf", "own", &text);
         assert!(compute_noise(&mut scene, &library, COMPUTED[0]));
-        let cells = Variant::of(&scene, &library).unwrap().cells(&scene, &library).unwrap();
+        let cells = Variant::of(&scene, &library).unwrap().cells(&library).unwrap();
         assert_eq!(bounded_noise::ranged(&cells, &library).is_some(), known, "{look_up}");
     }
 }

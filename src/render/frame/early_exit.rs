@@ -38,15 +38,10 @@ impl OpaqueMask {
         quality.pass == pass && quality.order == order && quality.msaa == 1 && ends
     }
 
-    pub(crate) fn new(
-        gpu: &Gpu,
-        library: &Library,
-        scene: &Scene,
-        variant: &Variant,
-    ) -> Result<OpaqueMask, RenderError> {
+    pub(crate) fn new(gpu: &Gpu, library: &Library, variant: &Variant) -> Result<OpaqueMask, RenderError> {
+        let (scene, how) = (&variant.scene, (gpu::Blend::Replace, gpu::Marks::Write));
         let program = variant.table(ENTRY, library)?.program(library, Linker::new)?;
-        let pipeline =
-            bind::pipeline(gpu, &program, scene, &[], Format::Depth16, 1, (gpu::Blend::Replace, gpu::Marks::Write))?;
+        let pipeline = bind::pipeline(gpu, &program, scene, &[], Format::Depth16, 1, how)?;
         Ok(OpaqueMask { program, pipeline, image: image(gpu, scene)? })
     }
 

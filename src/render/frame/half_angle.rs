@@ -69,11 +69,11 @@ impl HalfAngle {
     pub(crate) fn new(
         gpu: &Gpu,
         library: &Library,
-        scene: &Scene,
         variant: &Variant,
         made: Option<HalfAngle>,
     ) -> Result<HalfAngle, RenderError> {
-        let program = variant.light(scene, library)?.program(library, Linker::new)?;
+        let scene = &variant.scene;
+        let program = variant.light(library)?.program(library, Linker::new)?;
         let pipeline = match made.filter(|made| made.program == program) {
             Some(made) => made.pipeline,
             None => {
@@ -106,7 +106,7 @@ impl HalfAngle {
     ) -> Result<pass::PassTiming, RenderError> {
         let Slices { pipeline, program, bound, vertices, stack } = *slices;
         let planes = &frame.planes;
-        check(&frame.scene, &frame.view)?;
+        check(&frame.variant.scene, &frame.view)?;
         let corners = (0..planes.count).flat_map(|plane| {
             let depth = planes.depth(plane);
             [[-1.0, -1.0, depth], [3.0, -1.0, depth], [-1.0, 3.0, depth]]

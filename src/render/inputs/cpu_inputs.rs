@@ -9,7 +9,6 @@ use crate::render::camera::{FrameContext, LightSpace, SubFrame};
 use crate::render::error::RenderError;
 use crate::render::subject::Subject;
 use crate::render::variant::{Program, Variant};
-use crate::scene::Scene;
 use crate::shader::Library;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -30,15 +29,14 @@ impl CpuInputs {
     /// Inputs of `program`, which belongs to the scene of `variant`.
     pub fn new(
         library: &Library,
-        scene: &Scene,
-        subject: &Subject,
         variant: &Variant,
+        subject: &Subject,
         program: &Program,
     ) -> Result<CpuInputs, RenderError> {
-        let frame = FrameContext::with_variant(scene, subject, variant.clone());
+        let frame = FrameContext::of(variant.clone(), subject);
         let inputs = Inputs::new(library, &frame, program, &|_| ())?;
         let values = |moment: SubFrame| inputs.stored().values(&frame, &moment);
-        let moments = SubFrame::all(scene).map(values).collect();
+        let moments = SubFrame::all(&variant.scene).map(values).collect();
         let (extent, space) = (frame.view.extent, frame.space);
         let near = (extent.distance - extent.radius).max(extent.near);
         let depths = [near, extent.distance + extent.radius].map(f64::from);

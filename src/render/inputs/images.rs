@@ -11,7 +11,7 @@ use crate::gpu::{Dimension, Format};
 use crate::render::camera::{FrameContext, SlicePlanes, SubFrame, View};
 use crate::render::error::RenderError;
 use crate::render::texture::{self, Bricks, Encoding, Texels};
-use crate::render::variant::{Program, Resource, Use};
+use crate::render::variant::{Program, Resource, Use, Variant};
 use crate::shader::Library;
 use std::cell::Cell;
 
@@ -48,7 +48,7 @@ impl Inputs {
         program: &Program,
         progress: Progress<'_>,
     ) -> Result<Inputs, RenderError> {
-        let FrameContext { scene, variant, planes, .. } = frame;
+        let FrameContext { variant: variant @ Variant { scene, .. }, planes, .. } = frame;
         let mut items: Vec<ObjectInputs<'_>> =
             frame.view.objects.iter().map(|own| ObjectInputs::of(frame, own, StoredDistance::default())).collect();
         let mut volumes = Vec::new();
@@ -142,7 +142,7 @@ pub(crate) const CELLS: &str = "cell_image";
 
 /// Text of all that an image depends on, for loaded objects.
 pub(crate) fn image_key(frame: &FrameContext, name: &str) -> String {
-    let FrameContext { scene, variant, view, planes, .. } = frame;
+    let FrameContext { variant: variant @ Variant { scene, .. }, view, planes, .. } = frame;
     if let Some(key) = block_key(scene, name) {
         return key;
     }

@@ -32,7 +32,7 @@ pub(crate) struct ObjectInputs<'a> {
 
 impl<'a> ObjectInputs<'a> {
     pub(crate) fn of(frame: &'a FrameContext, view: &'a ObjectView, stored: StoredDistance) -> ObjectInputs<'a> {
-        let FrameContext { scene, subject, variant, .. } = frame;
+        let FrameContext { subject, variant: variant @ Variant { scene, .. }, .. } = frame;
         let (suffix, scene, subject, parameters) = match view.name.as_str() {
             "" => (String::new(), scene.clone(), subject, &variant.parameters),
             name => (format!("_{name}"), scene.part_as_scene(name), &subject.parts[name], &variant.parts[name]),

@@ -27,7 +27,7 @@ pub(crate) fn blocks(program: &Program, values: &Values) -> Result<Vec<(Resource
 
 /// Members that differ between sub-frames.
 pub(crate) fn moment(frame: &FrameContext, sub_frame: &SubFrame) -> [(String, Vec<f32>); 4] {
-    let (view, size) = (&frame.view, frame.scene.image.size);
+    let (view, size) = (&frame.view, frame.variant.scene.image.size);
     let [width, height] = size.map(|side| 2.0 / side as f32);
     let [x, y] = [sub_frame.offset[0] * width - view.pan[0], sub_frame.offset[1] * height - view.pan[1]];
     // Slices are rasterized at pixel centers, so they move against the offset of the rays.
@@ -42,7 +42,7 @@ pub(crate) fn moment(frame: &FrameContext, sub_frame: &SubFrame) -> [(String, Ve
 
 /// All other members of the blocks of `interface.glsl` and `part.glsl`, and all parameters.
 pub(crate) fn values(frame: &FrameContext, items: &[ObjectInputs<'_>]) -> Values {
-    let FrameContext { scene, variant, view, planes, .. } = frame;
+    let FrameContext { variant: variant @ Variant { scene, .. }, view, planes, .. } = frame;
     let mut values = HashMap::new();
     let mut set = |name: &str, floats: &[f32]| drop(values.insert(name.to_string(), floats.to_vec()));
     set("texture_matrix", &view.texture_matrix.to_cols_array());
@@ -141,7 +141,7 @@ const WARPED: f32 = 2.0;
 
 /// Distance along the ray within which a sample looks for matter, object units; 0 if it stands for its point alone.
 fn sample_reach(frame: &FrameContext) -> f32 {
-    let steps = match frame.scene.quality.integration {
+    let steps = match frame.variant.scene.quality.integration {
         Integration::Segment => 0.5,
         Integration::Point => f32::from(u8::from(frame.variant.looks_back)),
     };
@@ -159,5 +159,6 @@ fn steepness(variant: &Variant) -> f32 {
 
 /// Longest step along a ray, object units.
 fn longest_step(frame: &FrameContext) -> f32 {
-    frame.planes.step * slant(&frame.scene, &frame.view) / glam::Vec3::from(frame.scene.object.stretch).min_element()
+    let scene = &frame.variant.scene;
+    frame.planes.step * slant(scene, &frame.view) / glam::Vec3::from(scene.object.stretch).min_element()
 }

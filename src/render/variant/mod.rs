@@ -1,4 +1,4 @@
-//! Variants: the minimal program of a scene.
+//! Variants: checked scenes with their minimal programs.
 //!
 //! Role: scene -> chosen modules -> SPIR-V with its live bindings. Invariant: [`Variant::of`] is pure, and unreached
 //! parts are neither in the program nor in its layout; [`Program::left_out`] lists them.
@@ -14,7 +14,7 @@ pub use error::VariantError;
 pub(crate) use program::parts;
 pub use program::{OCTAVES_ID, Program, why_left_out};
 pub use reflect::{Block, Member, ReflectError, Resource, Use};
-pub use scene_variant::{Variant, slot_of};
+pub use scene_variant::{Checkable, Variant, slot_of};
 
 #[cfg(test)]
 mod tests;

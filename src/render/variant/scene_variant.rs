@@ -1,4 +1,4 @@
-//! The modules of a scene's program.
+//! A checked scene with the modules of its program.
 
 use super::error::VariantError;
 use super::program::{self, Program, shipped_programs};
@@ -7,6 +7,7 @@ use crate::render::texture;
 use crate::scene::{Color, FieldEncoding, Integration, ParameterValue, Parameters, SHADOW_SAMPLES, Scene};
 use crate::shader::slots::{FOLDED, objects, qualified};
 use crate::shader::{Library, LinkError, Linker, Parameter, Slots};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::iter;
 
@@ -24,9 +25,11 @@ const DEPTH_ENTRIES: [&str; 2] = ["march.vert", "depth.frag"];
 const SHADOW_SLOTS: [(&str, &str); 4] =
     [("surface", "unlit"), ("medium", "material"), ("shadow", "none"), ("gradient", "analytic")];
 
-/// The modules of a scene's program.
+/// A checked scene with the modules of its program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variant {
+    /// The scene of the picture, also in variants for its shadows, light, depth and samples.
+    pub scene: Scene,
     /// Entry files in the library: vertex stage, fragment stage.
     pub entries: [&'static str; 2],
     /// The slots that the program reaches, with their modules.
@@ -43,8 +46,29 @@ pub struct Variant {
     pub looks_back: bool,
 }
 
+/// A [`Scene`], which is checked where it is used, or its [`Variant`], which is checked already.
+pub trait Checkable {
+    /// The checked scene.
+    ///
+    /// # Errors
+    /// As [`Variant::of`].
+    fn checked(&self, library: &Library) -> Result<Cow<'_, Variant>, VariantError>;
+}
+
+impl Checkable for Scene {
+    fn checked(&self, library: &Library) -> Result<Cow<'_, Variant>, VariantError> {
+        Variant::of(self, library).map(Cow::Owned)
+    }
+}
+
+impl Checkable for Variant {
+    fn checked(&self, _: &Library) -> Result<Cow<'_, Variant>, VariantError> {
+        Ok(Cow::Borrowed(self))
+    }
+}
+
 impl Variant {
-    /// Selects the modules that `scene` needs out of `library`.
+    /// Checks a scene and selects the modules that it needs out of `library`.
     ///
     /// # Errors
     /// Those of [`Scene::check`].
@@ -72,7 +96,7 @@ impl Variant {
         }
         let (octaves, periods) = (scene.octaves_held(library), scene.periods(library));
         let (slots, looks_back) = (library.needed(&entries, &choice)?, scene.looks_back(library));
-        Ok(Variant { entries, slots, parameters, parts, octaves, periods, looks_back })
+        Ok(Variant { scene: scene.clone(), entries, slots, parameters, parts, octaves, periods, looks_back })
     }
 
     /// Whether rays find matter in a first phase and shade it in a second, which waits for the other rays of a group.
@@ -114,40 +138,40 @@ impl Variant {
     ///
     /// # Errors
     /// A module is missing, which [`Variant::of`] excludes.
-    pub fn shadow(&self, scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
-        self.of_light(scene, library, SHADOW_ENTRIES)
+    pub fn shadow(&self, library: &Library) -> Result<Variant, VariantError> {
+        self.of_light(library, SHADOW_ENTRIES)
     }
 
     /// Modules of half-angle light.
     ///
     /// # Errors
     /// As [`Variant::shadow`].
-    pub fn light(&self, scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
-        self.of_light(scene, library, LIGHT_ENTRIES)
+    pub fn light(&self, library: &Library) -> Result<Variant, VariantError> {
+        self.of_light(library, LIGHT_ENTRIES)
     }
 
     /// Modules of the emptiness of cells, which are those of the shadow.
     ///
     /// # Errors
     /// As [`Variant::shadow`].
-    pub fn cells(&self, scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
-        self.of_light(scene, library, CELL_ENTRIES)
+    pub fn cells(&self, library: &Library) -> Result<Variant, VariantError> {
+        self.of_light(library, CELL_ENTRIES)
     }
 
     /// Modules of the emptiness of cells with another opacity module.
     ///
     /// # Errors
     /// As [`Variant::shadow`].
-    pub(crate) fn cells_by(&self, opacity: &str, scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
-        let mut variant = self.cells(scene, library)?;
+    pub(crate) fn cells_by(&self, opacity: &str, library: &Library) -> Result<Variant, VariantError> {
+        let mut variant = self.cells(library)?;
         if let Some(names) = variant.slots.get_mut("opacity") {
             *names = vec![opacity.into()];
         }
         Ok(variant)
     }
 
-    fn of_light(&self, scene: &Scene, library: &Library, entries: [&'static str; 2]) -> Result<Variant, VariantError> {
-        let mut scene = scene.clone();
+    fn of_light(&self, library: &Library, entries: [&'static str; 2]) -> Result<Variant, VariantError> {
+        let mut scene = self.scene.clone();
         scene.quality.integration = Integration::Point; // a segment of the light holds many samples
         scene.quality.samples = SHADOW_SAMPLES;
         self.of_matter(&scene, library, entries)
@@ -157,8 +181,8 @@ impl Variant {
     ///
     /// # Errors
     /// As [`Variant::shadow`].
-    pub fn depth(&self, scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
-        self.of_matter(scene, library, DEPTH_ENTRIES)
+    pub fn depth(&self, library: &Library) -> Result<Variant, VariantError> {
+        self.of_matter(&self.scene, library, DEPTH_ENTRIES)
     }
 
     fn of_matter(&self, scene: &Scene, library: &Library, entries: [&'static str; 2]) -> Result<Variant, VariantError> {
@@ -192,8 +216,8 @@ impl Variant {
     ///
     /// # Errors
     /// A module is missing, which [`Variant::of`] excludes.
-    pub fn probe(&self, scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
-        let mut choice = scene.slots(library);
+    pub fn probe(&self, library: &Library) -> Result<Variant, VariantError> {
+        let mut choice = self.scene.slots(library);
         choice.extend(self.kept());
         Ok(Variant { entries: PROBE_ENTRIES, slots: library.needed(&PROBE_ENTRIES, &choice)?, ..self.clone() })
     }
