@@ -11,7 +11,7 @@ use super::time_span::TimeSpan;
 use crate::gpu::{Area, Dimension, Format, Gpu, Image, Uploads};
 use crate::render::camera::FrameContext;
 use crate::render::error::RenderError;
-use crate::render::inputs::{ImageInfo, TIME, Values};
+use crate::render::inputs::{ImageInfo, Values};
 use crate::render::variant::{Variant, VariantError};
 use crate::scene::Pass;
 use crate::shader::Library;
@@ -151,13 +151,12 @@ impl EmptyCells {
                 CellGrid { side: 0, .. } => few(),
                 last => {
                     let is_of = |boxes: &CellGrid| self.key.as_ref().is_some_and(|(_, of)| of == boxes);
-                    let time = values.get(TIME).and_then(|time| time.first()).copied().unwrap_or_default();
+                    let (time, camera) = (values.time, &frame.variant.scene.camera);
                     let timeless = bounded.reads.timeless(values)?;
                     if is_of(&last) && self.span.holds(&timeless, time) {
                         return Ok(());
                     }
                     let read = bounded.fill(values, [time; 2])?;
-                    let camera = &frame.variant.scene.camera;
                     let end = (camera.time + f64::from(camera.shutter)) as f32;
                     let times = self.span.next(&timeless, time, end);
                     let boxes = CellGrid::of(frame, side_of(bounded.texels, self.span.to_share(times)));

@@ -7,9 +7,9 @@ use crate::eval;
 use crate::gpu::Area;
 use crate::render::camera::{FrameContext, SubFrame};
 use crate::render::error::RenderError;
-use crate::render::inputs::{CELLS, CpuInputs, ImageInfo, Inputs, TIME, Values};
+use crate::render::inputs::{CpuInputs, ImageInfo, Inputs, Values};
 use crate::render::subject::Subject;
-use crate::render::variant::{OCTAVES_ID, Variant};
+use crate::render::variant::{OCTAVES_ID, Variant, bindings};
 use crate::scene::{Order, Pass, Projection, RayPath, Scene, names, preset};
 use crate::shader::{self, Library, Linker, ParameterKind};
 use support::random::SplitMix;
@@ -50,7 +50,7 @@ pub(super) fn loaded(scene: &Scene, library: &Library) -> Loaded {
     let inputs = Inputs::new(library, &frame, &program, &|_| ()).unwrap();
     let CellProver::Ready(mut bounded) = prover(library, &frame, |_| true) else { panic!("{}", frame.variant.key()) };
     let values = inputs.stored().values(&frame, &SubFrame::all(scene).next().unwrap());
-    let read = bounded.fill(&values, [values[TIME][0]; 2]).unwrap();
+    let read = bounded.fill(&values, [values.time; 2]).unwrap();
     Loaded { frame, bounded, values, read }
 }
 
@@ -59,7 +59,7 @@ fn prover(library: &Library, frame: &FrameContext, pays: impl Fn(u64) -> bool) -
     let program = frame.variant.program(library, Linker::new).unwrap();
     let images = Inputs::new(library, frame, &program, &|_| ()).unwrap().images;
     let image_of = |name: &str| {
-        let binding = program.resources.iter().find(|resource| resource.name == name)?.binding;
+        let binding = program.binding(name)?;
         let (_, image) = images.iter().find(|(own, _)| *own == binding)?;
         let bits = 8 * image.format.bytes() as u32 / image.format.channels();
         let (name, channels, bytes) = (image.name.into(), image.format.channels(), image.bytes.len() as u64);
@@ -116,7 +116,7 @@ pub(super) fn drawn(scene: &Scene, library: &Library, frame: &FrameContext) -> (
 fn judge(scene: &Scene, side: u32, random: &mut SplitMix, samples: usize) -> (usize, usize) {
     let library = shader::shipped();
     let Loaded { frame, bounded, .. } = loaded(scene, &library);
-    assert!(frame.variant.program(&library, Linker::new).unwrap().reads(CELLS), "{}", frame.variant.key());
+    assert!(frame.variant.program(&library, Linker::new).unwrap().reads(bindings::CELLS), "{}", frame.variant.key());
     let boxes = CellGrid::of(&frame, side);
     let empty = bounded.empty(&boxes, &|| false).unwrap().unwrap();
     let which: Vec<u32> = (0..side.pow(3)).filter(|&index| empty[index as usize]).collect();

@@ -10,9 +10,9 @@ use crate::noise::Period;
 use crate::render::camera::{FrameContext, SubFrame};
 use crate::render::error::RenderError;
 use crate::render::frame::OpaqueMask;
-use crate::render::inputs::{CELLS, Filter, SHADOW, StoredObjects, blocks, image_key};
+use crate::render::inputs::{Filter, StoredObjects, blocks, image_key};
 use crate::render::subject::{Recipe, Subject, SubjectRequest, opened};
-use crate::render::variant::{Checkable, OCTAVES_ID, Program, Variant};
+use crate::render::variant::{Checkable, OCTAVES_ID, Program, Variant, bindings};
 use crate::scene::schema::{Kind, SETTINGS, Setting, setting};
 use crate::scene::{Object, Order, Pass, Quality, Scene};
 use crate::shader::{Library, Linker};
@@ -206,7 +206,7 @@ impl<'a> PictureComparer<'a> {
         }
         let mut read = self.read(&variant)?;
         // The border mode only matters for blocks and for noise with a period.
-        if !read.program.reads("block_sampler")
+        if !read.program.reads(bindings::BLOCK_SAMPLER)
             && variant.periods.iter().all(|period| *period == Period::ENDLESS)
             && let Some(wrap) = variant.slots.get_mut("wrap")
         {
@@ -232,11 +232,11 @@ impl<'a> PictureComparer<'a> {
                 add(format!("{early_termination}"));
             }
             for values in &moments {
-                add(format!("{:?}", VERTEX_VALUES.map(|name| values.get(name))));
+                add(format!("{:?}", VERTEX_VALUES.map(|name| values.named.get(name))));
             }
         }
         let mut programs = vec![(read.clone(), false)];
-        if read.program.reads(SHADOW) {
+        if read.program.reads(bindings::SHADOW) {
             programs.push((self.read(&variant.shadow(self.library)?)?, true));
         }
         if scene.is_half_angle() {
@@ -246,18 +246,15 @@ impl<'a> PictureComparer<'a> {
             add(format!("{:?}", frame.space.target()));
         }
         for (read, casts) in programs {
-            let names: HashMap<u32, &str> =
-                read.program.resources.iter().map(|resource| (resource.binding, resource.name.as_str())).collect();
+            let resources = &read.program.resources;
+            let names: HashMap<u32, &str> = resources.iter().map(|own| (own.binding, own.name.as_str())).collect();
             let name = |binding: u32| names.get(&binding).copied().unwrap_or_default();
             let pairs = match &read.fingerprint {
                 Some((_, fingerprint)) => fingerprint.images.clone(),
-                None => {
-                    read.program.resources.iter().map(|resource| (resource.binding, Some(resource.binding))).collect()
-                }
+                None => resources.iter().map(|own| (own.binding, Some(own.binding))).collect(),
             };
-            for (image, sampler) in
-                pairs.into_iter().filter(|(image, _)| name(*image).contains("_image") && name(*image) != CELLS)
-            {
+            let is_input = |image: u32| name(image).contains("_image") && name(image) != bindings::CELLS;
+            for (image, sampler) in pairs.into_iter().filter(|(image, _)| is_input(*image)) {
                 let key = image_key(&frame, name(image));
                 add(format!("{} {key}", name(image)));
                 if let Some(sampler) = sampler {
@@ -266,14 +263,10 @@ impl<'a> PictureComparer<'a> {
             }
             let mut before = String::new();
             for values in &moments {
-                let blocks = blocks(&read.program, values)?.into_iter();
-                let blocks = blocks.map(|(resource, bytes)| (resource.binding, bytes)).collect();
-                let known = read
-                    .fingerprint
-                    .as_ref()
-                    .map(|(program, fingerprint)| (fingerprint, program.values(fingerprint, &blocks)));
+                let blocks = blocks(&read.program, values)?;
+                let known = read.fingerprint.as_ref().map(|(program, own)| (own.hash, program.values(own, &blocks)));
                 let drawn = match known {
-                    Some((fingerprint, Ok(values))) => format!("{} {values:?}", fingerprint.hash),
+                    Some((hash, Ok(values))) => format!("{hash} {values:?}"),
                     _ => format!("{:?} {} {blocks:?}", read.program.fragment, scene.effect.octaves),
                 };
                 // Shadows are cast once for a resting scene, else for each sub-frame whose values differ from the

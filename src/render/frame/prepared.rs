@@ -13,10 +13,10 @@ use crate::field::Progress;
 use crate::gpu::{self, Buffer, Gpu, HostCommands, Recording};
 use crate::render::camera::{FrameContext, SubFrame};
 use crate::render::error::RenderError;
-use crate::render::inputs::{Inputs, SHADOW};
+use crate::render::inputs::Inputs;
 use crate::render::measurements::{Frame, Measurements};
 use crate::render::subject::Subject;
-use crate::render::variant::{Program, Variant};
+use crate::render::variant::{Program, Variant, bindings};
 use crate::scene::schema::Changes;
 use crate::scene::{Pass, Scene};
 use crate::shader::slots::FOLDED;
@@ -120,7 +120,8 @@ impl Prepared {
                     (Arc::new(picture), None, None, None, SubmissionBudget::default())
                 }
             };
-        let caster = program.reads(SHADOW).then(|| ShadowCaster::new(gpu, library, &variant, caster)).transpose()?;
+        let caster =
+            program.reads(bindings::SHADOW).then(|| ShadowCaster::new(gpu, library, &variant, caster)).transpose()?;
         let half_angle = scene.is_half_angle().then(|| HalfAngle::new(gpu, library, &variant, half_angle));
         if let Destination::Host { has_depth: true, .. } = destination {
             depth = Some(Depth::new(gpu, library, &variant, depth)?);
@@ -177,7 +178,7 @@ impl Prepared {
     pub(crate) fn has_same_inputs(&self, variant: &Variant) -> bool {
         let (scene, own) = (&variant.scene, &self.variant.scene);
         // Some images depend on the step.
-        let by_step = ["segment_image", "brick_image"].iter().any(|name| self.program.reads(name));
+        let by_step = [bindings::SEGMENT, bindings::BRICKS].iter().any(|name| self.program.reads(name));
         let reach = |variant: &Variant| {
             let all = [&variant.parameters].into_iter().chain(variant.parts.values());
             all.map(|parameters| (parameters.outer_iso(), parameters.spread(1.0))).collect::<Vec<_>>()
@@ -229,7 +230,7 @@ impl Prepared {
     fn cast(&mut self, frame: &FrameContext, stop: &dyn Fn(f64) -> bool) -> Result<Option<[f64; 2]>, RenderError> {
         let Some(caster) = &mut self.pipelines.caster else { return Ok(None) };
         let ShadowVolume { image, gpu_ms, is_kept, .. } = caster.volume(&self.gpu, frame, &self.bound, stop)?;
-        self.bound.replace(&self.program, SHADOW, image);
+        self.bound.replace(&self.program, bindings::SHADOW, image);
         Ok(Some(if is_kept { [0.0, gpu_ms] } else { [gpu_ms, 0.0] }))
     }
 

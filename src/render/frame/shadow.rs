@@ -140,9 +140,7 @@ impl ShadowCaster {
         bound: &BoundInputs,
         stop: &dyn Fn(f64) -> bool,
     ) -> Result<ShadowVolume, RenderError> {
-        let blocks = bound.blocks_of(&self.program)?;
-        let filled = blocks.iter().map(|(resource, bytes)| (resource.binding, bytes.as_slice()));
-        let blocks = self.program.parts_read(&self.read, filled);
+        let blocks = self.program.parts_read(&self.read, &bound.blocks_of(&self.program)?);
         let images = bound.images_of(&self.program);
         let serves = |last: &&ShadowVolume| {
             let same_images =

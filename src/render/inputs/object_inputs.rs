@@ -4,7 +4,7 @@ use crate::render::camera::{FrameContext, ObjectView};
 use crate::render::error::RenderError;
 use crate::render::subject::Subject;
 use crate::render::texture::{self, Encoding, Texels};
-use crate::render::variant::Variant;
+use crate::render::variant::{Program, Variant};
 use crate::scene::{FieldEncoding, Parameters, Scene};
 
 /// Decoding of a distance stored in a volume, units of its object: `x + y s` for a texel s.
@@ -38,6 +38,11 @@ impl<'a> ObjectInputs<'a> {
             name => (format!("_{name}"), scene.part_as_scene(name), &subject.parts[name], &variant.parts[name]),
         };
         ObjectInputs { suffix, own: view, scene, subject, parameters, stored }
+    }
+
+    /// Whether a program reads a binding of this object.
+    pub(crate) fn is_read(&self, program: &Program, binding: &str) -> bool {
+        program.reads(&format!("{binding}{}", self.suffix))
     }
 
     /// Volume of the object; `None` for a formula.

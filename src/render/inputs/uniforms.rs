@@ -5,28 +5,36 @@ use super::object_inputs::ObjectInputs;
 use crate::render::camera::{FrameContext, SubFrame, View, slant};
 use crate::render::error::RenderError;
 use crate::render::texture::transfer_texel;
-use crate::render::variant::{Program, Resource, Use, Variant};
+use crate::render::variant::{Blocks, Program, Use, Variant};
 use crate::scene::{Integration, Jitter, ParameterValue};
 use std::collections::HashMap;
 
-/// Name of the time in `interface.glsl`.
-pub(crate) const TIME: &str = "time";
-
-/// Values of the members of all blocks, by name.
-pub(crate) type Values = HashMap<String, Vec<f32>>;
+/// Values of the members of all blocks.
+#[derive(Clone, Default)]
+pub(crate) struct Values {
+    /// By name, without the time.
+    pub(crate) named: HashMap<String, Vec<f32>>,
+    pub(crate) time: f32,
+}
 
 /// Fills the blocks of a program.
-pub(crate) fn blocks(program: &Program, values: &Values) -> Result<Vec<(Resource, Vec<u8>)>, RenderError> {
+pub(crate) fn blocks(program: &Program, values: &Values) -> Result<Blocks, RenderError> {
+    blocks_at(program, values, values.time)
+}
+
+/// Fills the blocks of a program for another time.
+pub(crate) fn blocks_at(program: &Program, values: &Values, time: f32) -> Result<Blocks, RenderError> {
+    let (named, time) = (&values.named, [time]);
+    let value = |name: &str| if name == "time" { Some(&time[..]) } else { named.get(name).map(Vec::as_slice) };
     let filled = program.resources.iter().filter_map(|resource| {
         let Use::Block(block) = &resource.holds else { return None };
-        let bytes = block.fill(|name| values.get(name).map(Vec::as_slice)).map_err(RenderError::Unfilled);
-        Some(bytes.map(|bytes| (resource.clone(), bytes)))
+        Some(block.fill(value).map(|bytes| (resource.binding, bytes)).map_err(RenderError::Unfilled))
     });
     filled.collect()
 }
 
-/// Members that differ between sub-frames.
-pub(crate) fn moment(frame: &FrameContext, sub_frame: &SubFrame) -> [(String, Vec<f32>); 4] {
+/// Members that differ between sub-frames, except the time.
+pub(crate) fn moment(frame: &FrameContext, sub_frame: &SubFrame) -> [(String, Vec<f32>); 3] {
     let (view, size) = (&frame.view, frame.variant.scene.image.size);
     let [width, height] = size.map(|side| 2.0 / side as f32);
     let [x, y] = [sub_frame.offset[0] * width - view.pan[0], sub_frame.offset[1] * height - view.pan[1]];
@@ -35,16 +43,15 @@ pub(crate) fn moment(frame: &FrameContext, sub_frame: &SubFrame) -> [(String, Ve
     [
         ("projection".into(), projection.to_cols_array().to_vec()),
         ("picture_scale".into(), vec![width, height, x, y]),
-        (TIME.into(), vec![sub_frame.time as f32]),
         ("jitter_seed".into(), vec![sub_frame.jitter_seed]),
     ]
 }
 
 /// All other members of the blocks of `interface.glsl` and `part.glsl`, and all parameters.
-pub(crate) fn values(frame: &FrameContext, items: &[ObjectInputs<'_>]) -> Values {
+pub(crate) fn values(frame: &FrameContext, items: &[ObjectInputs<'_>], time: f64) -> Values {
     let FrameContext { variant: variant @ Variant { scene, .. }, view, planes, .. } = frame;
-    let mut values = HashMap::new();
-    let mut set = |name: &str, floats: &[f32]| drop(values.insert(name.to_string(), floats.to_vec()));
+    let mut named = HashMap::new();
+    let mut set = |name: &str, floats: &[f32]| drop(named.insert(name.to_string(), floats.to_vec()));
     set("texture_matrix", &view.texture_matrix.to_cols_array());
     set("object_matrix", &view.object_matrix.to_cols_array());
     set("display_matrix", &view.display_matrix.to_cols_array());
@@ -85,7 +92,7 @@ pub(crate) fn values(frame: &FrameContext, items: &[ObjectInputs<'_>]) -> Values
     for item in items {
         set_object(item, view, &mut |name, floats| set(&format!("{name}{}", item.suffix), floats));
     }
-    values
+    Values { named, time: time as f32 }
 }
 
 /// Sets the members of `part.glsl` and the parameters of one object.

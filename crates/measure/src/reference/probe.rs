@@ -56,8 +56,8 @@ impl Linked {
         let Some((bounded, noise)) = bounded else {
             return Ok(Linked { variant, bounded: program.clone(), program, noise: None });
         };
-        let image = bounded.resources.iter().find(|resource| resource.name == LOOKED_UP).map(|image| image.binding);
-        Ok(Linked { variant, program, bounded, noise: image.map(|image| (image, noise)) })
+        let noise = bounded.binding(LOOKED_UP).map(|image| (image, noise));
+        Ok(Linked { variant, program, bounded, noise })
     }
 }
 
@@ -78,8 +78,7 @@ impl Caster {
     fn key(&self, blocks: &Blocks, inputs: &eval::Inputs) -> blake3::Hash {
         let mut hash = blake3::Hasher::new();
         hash.update(bytemuck::cast_slice(&self.linked.fragment)).update(&self.octaves.to_le_bytes());
-        let filled = blocks.iter().map(|(binding, bytes)| (*binding, bytes.as_slice()));
-        hash.update(&self.linked.parts_read(&self.linked.members_read(), filled));
+        hash.update(&self.linked.parts_read(&self.linked.members_read(), blocks));
         for resource in &self.linked.resources {
             if let Some(image) = inputs.images.get(&resource.binding) {
                 hash.update(bytemuck::cast_slice(&image.size)).update(bytemuck::cast_slice(&image.texels));
