@@ -7,7 +7,7 @@ use crate::eval::{ExactError, Inputs, Invocations, Overflow, Program, Texture};
 use crate::render::error::RenderError;
 use crate::render::inputs::CpuInputs;
 use crate::render::subject::Subject;
-use crate::render::variant::{self, Checkable, OCTAVES_ID, Use, Variant, bindings};
+use crate::render::variant::{self, Checkable, OCTAVES_ID, Purpose, Use, Variant, bindings};
 use crate::scene::{ParameterValue, Pass};
 use crate::shader::{FAULT, Library, changed};
 use std::collections::BTreeMap;
@@ -157,13 +157,13 @@ impl Trial<'_> {
         let scene = &variant.scene;
         // A fragment of rays takes all samples of a ray; one of slices takes a single sample.
         let rays = scene.quality.pass == Pass::March;
-        let tried = if rays { (*variant).clone() } else { variant.probe(library)? };
+        let tried = if rays { (*variant).clone() } else { variant.for_purpose(Purpose::Probe, library)? };
         let program = tried.unoptimized(library)?;
         let cpu_inputs = CpuInputs::new(library, &tried, subject, &program)?;
         let whose = if rays { "ray" } else { "sample" };
         let Found { tried, wrong, beyond } = self.found(&cpu_inputs, &program, scene.image.size, whose)?;
         if scene.light.shadows {
-            let caster = variant.shadow(library)?.unoptimized(library)?;
+            let caster = variant.for_purpose(Purpose::Shadow, library)?.unoptimized(library)?;
             self.found(&cpu_inputs, &caster, cpu_inputs.shadow_target(), "ray of the light")?;
         }
         let of = if rays { "rays" } else { "places" };

@@ -6,7 +6,7 @@
 //! memory ([`limits`]); a scene of shipped modules starts no child.
 
 use hypertexture::gpu::{Gpu, Options};
-use hypertexture::render::variant::{Checkable, Variant, VariantError};
+use hypertexture::render::variant::{Checkable, Purpose, Variant, VariantError};
 use hypertexture::render::{RenderError, Renderer, Subject, link_cells, try_custom_modules};
 use hypertexture::scene::{self, Object, Scene};
 use hypertexture::shader::compile::{self, Answer, CompileError, Failure, Limits, Trial, read, reply, stage};
@@ -61,7 +61,7 @@ pub fn own_files(scene: &impl Checkable, library: &Library) -> Result<BTreeMap<S
 /// Programs of a scene: of its picture, and of its shadows if it casts any.
 pub fn programs(scene: &impl Checkable, library: &Library) -> Result<Vec<Variant>, VariantError> {
     let picture = scene.checked(library)?.into_owned();
-    let shadow = picture.scene.light.shadows.then(|| picture.shadow(library)).transpose()?;
+    let shadow = picture.scene.light.shadows.then(|| picture.for_purpose(Purpose::Shadow, library)).transpose()?;
     Ok([picture].into_iter().chain(shadow).collect())
 }
 

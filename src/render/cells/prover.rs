@@ -8,7 +8,7 @@ use crate::noise::Lattice;
 use crate::render::camera::FrameContext;
 use crate::render::error::RenderError;
 use crate::render::inputs::{ImageInfo, Inputs, Values, blocks_at, texture, wrap};
-use crate::render::variant::{OCTAVES_ID, Program, Resource, Variant, VariantError};
+use crate::render::variant::{OCTAVES_ID, Program, Purpose, Resource, Variant, VariantError};
 use crate::shader::{Library, Linker};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -86,7 +86,7 @@ pub(super) struct CellGrid {
 
 /// The program that decides where matter is, and the noise that it looks up.
 pub(super) fn deciding(variant: &Variant, library: &Library) -> Result<(Program, Option<Lattice>), VariantError> {
-    let variant = variant.cells(library)?;
+    let variant = variant.for_purpose(Purpose::Cells, library)?;
     match bounded_noise::bounded(&variant, library) {
         Some((program, noise)) => Ok((program, Some(noise))),
         None => Ok((variant.program(library, Linker::new)?, None)),

@@ -9,7 +9,7 @@ use crate::render::camera::{FrameContext, SubFrame};
 use crate::render::error::RenderError;
 use crate::render::inputs::{CpuInputs, ImageInfo, Inputs, Values};
 use crate::render::subject::Subject;
-use crate::render::variant::{OCTAVES_ID, Variant, bindings};
+use crate::render::variant::{OCTAVES_ID, Purpose, Variant, bindings};
 use crate::scene::{Order, Pass, Projection, RayPath, Scene, names, preset};
 use crate::shader::{self, Library, Linker, ParameterKind};
 use support::random::SplitMix;
@@ -105,7 +105,7 @@ fn cells_end_where_something_else_is_to_be_done() {
 /// The drawn program of matter, without replaced noise.
 pub(super) fn drawn(scene: &Scene, library: &Library, frame: &FrameContext) -> (eval::Program, eval::Inputs) {
     let variant = Variant { scene: scene.clone(), ..frame.variant.clone() };
-    let program = variant.cells(library).unwrap().program(library, Linker::new).unwrap();
+    let program = variant.for_purpose(Purpose::Cells, library).unwrap().program(library, Linker::new).unwrap();
     let code = eval::Program::read(&program.fragment, &[(OCTAVES_ID, scene.effect.octaves)]).unwrap();
     let read = CpuInputs::new(library, &variant, &frame.subject, &program).unwrap();
     let blocks = read.moments(&program).unwrap().swap_remove(0);
@@ -232,7 +232,7 @@ fn noise_is_not_looked_up_in_place_of_cells_that_a_module_reads() {
         let text = format!("float own(float d, Sample s) {{ return {look_up}; }}");
         let library = shader::shipped().with_module("dmf", "own", &text);
         assert!(compute_noise(&mut scene, &library, COMPUTED[0]));
-        let cells = Variant::of(&scene, &library).unwrap().cells(&library).unwrap();
+        let cells = Variant::of(&scene, &library).unwrap().for_purpose(Purpose::Cells, &library).unwrap();
         assert_eq!(bounded_noise::ranged(&cells, &library).is_some(), known, "{look_up}");
     }
 }

@@ -9,7 +9,7 @@ use crate::render::cells::{LOOKED_UP, bounded};
 use crate::render::error::RenderError;
 use crate::render::inputs::CpuInputs;
 use crate::render::subject::Subject;
-use crate::render::variant::{Checkable, OCTAVES_ID, Variant};
+use crate::render::variant::{Checkable, OCTAVES_ID, Purpose, Variant};
 use crate::scene::Projection;
 use crate::shader::{Library, Linker};
 use glam::DVec3;
@@ -39,7 +39,8 @@ impl DensityProgram {
     /// Links and loads the density of a scene.
     pub fn of(library: &Library, drawn: &Variant, subject: &Subject) -> Result<DensityProgram, PolygonizeError> {
         let library = library.clone().with_module("opacity", "density", DENSITY);
-        let variant = drawn.cells_by("density", &library)?;
+        let mut variant = drawn.for_purpose(Purpose::Cells, &library)?;
+        variant.slots.entry("opacity".into()).and_modify(|names| *names = vec!["density".into()]);
         let program = variant.program(&library, Linker::new).map_err(RenderError::from)?;
         let cpu_inputs = CpuInputs::new(&library, drawn, subject, &program)?;
         let mut inputs = cpu_inputs.exact();

@@ -12,7 +12,7 @@ use crate::render::error::RenderError;
 use crate::render::frame::OpaqueMask;
 use crate::render::inputs::{Filter, StoredObjects, blocks, image_key};
 use crate::render::subject::{Recipe, Subject, SubjectRequest, opened};
-use crate::render::variant::{Checkable, OCTAVES_ID, Program, Variant, bindings};
+use crate::render::variant::{Checkable, OCTAVES_ID, Program, Purpose, Variant, bindings};
 use crate::scene::schema::{Kind, SETTINGS, Setting, setting};
 use crate::scene::{Object, Order, Pass, Quality, Scene};
 use crate::shader::{Library, Linker};
@@ -237,10 +237,10 @@ impl<'a> PictureComparer<'a> {
         }
         let mut programs = vec![(read.clone(), false)];
         if read.program.reads(bindings::SHADOW) {
-            programs.push((self.read(&variant.shadow(self.library)?)?, true));
+            programs.push((self.read(&variant.for_purpose(Purpose::Shadow, self.library)?)?, true));
         }
         if scene.is_half_angle() {
-            programs.push((self.read(&variant.light(self.library)?)?, false));
+            programs.push((self.read(&variant.for_purpose(Purpose::Light, self.library)?)?, false));
         }
         if programs.len() > 1 {
             add(format!("{:?}", frame.space.target()));

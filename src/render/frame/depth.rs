@@ -9,7 +9,7 @@ use super::{bind, pass};
 use crate::gpu::{self, Area, BindSet, Dimension, Format, Gpu, Image, ImageUse, Pipeline, Target};
 use crate::render::camera::FrameContext;
 use crate::render::error::RenderError;
-use crate::render::variant::{Program, Variant};
+use crate::render::variant::{Program, Purpose, Variant};
 use crate::scene::{Pass, RayPath, Scene};
 use crate::shader::{Library, Linker};
 use std::sync::Arc;
@@ -57,7 +57,7 @@ impl Depth {
     ) -> Result<Depth, RenderError> {
         let scene = by_rays(&variant.scene, library)?.scene;
         let variant = Variant { scene, ..variant.clone() };
-        let program = variant.depth(library)?.program(library, Linker::new)?;
+        let program = variant.for_purpose(Purpose::Depth, library)?.program(library, Linker::new)?;
         if let Some(made) = made.filter(|made| made.program == program) {
             return Ok(made);
         }

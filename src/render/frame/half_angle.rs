@@ -13,7 +13,7 @@ use crate::gpu::{self, Blend, Buffer, BufferUse, Dimension, Format, Gpu, Image, 
 use crate::render::camera::{FLATTEST, FrameContext, View, axis, slant};
 use crate::render::cells::Tiles;
 use crate::render::error::RenderError;
-use crate::render::variant::{Program, Variant, bindings};
+use crate::render::variant::{Program, Purpose, Variant, bindings};
 use crate::scene::Scene;
 use crate::shader::{Library, Linker};
 use glam::Vec3;
@@ -72,7 +72,7 @@ impl HalfAngle {
         made: Option<HalfAngle>,
     ) -> Result<HalfAngle, RenderError> {
         let scene = &variant.scene;
-        let program = variant.light(library)?.program(library, Linker::new)?;
+        let program = variant.for_purpose(Purpose::Light, library)?.program(library, Linker::new)?;
         let pipeline = match made.filter(|made| made.program == program) {
             Some(made) => made.pipeline,
             None => {

@@ -16,7 +16,7 @@ use crate::render::camera::{FrameContext, LightSpace, SubFrame};
 use crate::render::error::RenderError;
 use crate::render::inputs::Inputs;
 use crate::render::subject::Subject;
-use crate::render::variant::{Checkable, Program, Variant};
+use crate::render::variant::{Checkable, Program, Purpose, Variant};
 use crate::shader::{Library, Linker};
 use glam::{Mat4, Vec3};
 use std::collections::BTreeSet;
@@ -117,7 +117,7 @@ impl ShadowCaster {
         variant: &Variant,
         made: Option<ShadowCaster>,
     ) -> Result<ShadowCaster, RenderError> {
-        let program = variant.shadow(library)?.program(library, Linker::new)?;
+        let program = variant.for_purpose(Purpose::Shadow, library)?.program(library, Linker::new)?;
         if let Some(made) = made.filter(|made| made.program == program) {
             return Ok(made);
         }

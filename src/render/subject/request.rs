@@ -44,7 +44,7 @@ impl SubjectRequest {
             SubjectRequest {
                 object: Object { up, ..part.object.clone() },
                 reach: reach(&variant.parts[name], &part.object),
-                closest: variant.part_reads_closest(name),
+                closest: variant.module(&format!("{name}.project")) == Some("closest"),
                 aligned,
             }
         });

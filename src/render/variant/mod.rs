@@ -15,7 +15,7 @@ pub use error::VariantError;
 pub(crate) use program::parts;
 pub use program::{Blocks, OCTAVES_ID, Program, why_left_out};
 pub use reflect::{Block, Member, ReflectError, Resource, Use};
-pub use scene_variant::{Checkable, Variant, slot_of};
+pub use scene_variant::{Checkable, Purpose, Variant, slot_of};
 
 #[cfg(test)]
 mod tests;

@@ -4,7 +4,7 @@ use super::transport::Matter;
 use super::{ReferenceError, Stop, go_on};
 use hypertexture::eval;
 use hypertexture::noise::Lattice;
-use hypertexture::render::variant::{Program, Variant, VariantError};
+use hypertexture::render::variant::{Program, Purpose, Variant, VariantError};
 use hypertexture::render::{Blocks, CpuInputs, LOOKED_UP, OCTAVES_ID, Subject, bounded};
 use hypertexture::shader::{Library, Linker};
 use rayon::prelude::*;
@@ -49,7 +49,7 @@ pub(super) struct Linked {
 impl Linked {
     /// Those of a scene.
     pub(super) fn of(own: &Variant, library: &Library) -> Result<Linked, VariantError> {
-        let variant = own.probe(library)?;
+        let variant = own.for_purpose(Purpose::Probe, library)?;
         let drawn = || variant.program(library, Linker::new);
         let (program, bounded) = rayon::join(drawn, || bounded(&variant, library));
         let program = program?;
@@ -119,7 +119,7 @@ impl Probe {
         let octaves = [(OCTAVES_ID, truth.effect.octaves)];
         let shadow = match CpuInputs::shadow_binding(&program) {
             None => None,
-            Some(binding) => Some((binding, own.shadow(library)?.program(library, Linker::new)?)),
+            Some(binding) => Some((binding, own.for_purpose(Purpose::Shadow, library)?.program(library, Linker::new)?)),
         };
         let blocks = cpu_inputs.moments(&program)?.into_iter().zip(cpu_inputs.moments(&bounded)?);
         let mut moments: Vec<Moment> =
