@@ -5,10 +5,11 @@
 //! pixels on 64 processors, a dozen workstations).
 
 use crate::output::{Depth, Provenance};
-use crate::render::variant::Variant;
+use crate::render::variant::Checkable;
 use crate::render::{Frame, Measurements, RenderError, Subject};
 use crate::scene::{self, Color, Scene};
 use crate::shader::{Library, Linker};
+use blake3::Hash;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::io::{self, Read};
@@ -160,9 +161,14 @@ fn band_rows(height: u32, count: u32) -> u32 {
 ///
 /// # Errors
 /// The scene has no valid program.
-pub fn identity(scene: &Scene, library: &Library, subject: &Subject) -> Result<blake3::Hash, RenderError> {
-    let program = Variant::of(scene, library)?.program(library, Linker::new)?;
-    Ok(identity_by(scene, subject, &[&program.vertex, &program.fragment].map(|words| bytemuck::cast_slice(words))))
+pub fn identity(scene: &impl Checkable, library: &Library, subject: &Subject) -> Result<Hash, RenderError> {
+    let variant = scene.checked(library)?;
+    let program = variant.program(library, Linker::new)?;
+    Ok(identity_by(
+        &variant.scene,
+        subject,
+        &[&program.vertex, &program.fragment].map(|words| bytemuck::cast_slice(words)),
+    ))
 }
 
 /// A cheaper identity, by the texts of the library in place of the linked program, which saves up to a second. It also changes
@@ -170,12 +176,12 @@ pub fn identity(scene: &Scene, library: &Library, subject: &Subject) -> Result<b
 ///
 /// # Errors
 /// The scene is not valid.
-pub fn identity_of_texts(scene: &Scene, library: &Library, subject: &Subject) -> Result<blake3::Hash, RenderError> {
-    let key = Variant::of(scene, library)?.text_hash(library);
-    Ok(identity_by(scene, subject, &[key.as_bytes()]))
+pub fn identity_of_texts(scene: &impl Checkable, library: &Library, subject: &Subject) -> Result<Hash, RenderError> {
+    let variant = scene.checked(library)?;
+    Ok(identity_by(&variant.scene, subject, &[variant.text_hash(library).as_bytes()]))
 }
 
-fn identity_by(scene: &Scene, subject: &Subject, program: &[&[u8]]) -> blake3::Hash {
+fn identity_by(scene: &Scene, subject: &Subject, program: &[&[u8]]) -> Hash {
     let mut named = scene.clone();
     named.modules.clear(); // the program contains them
     let mut hash = blake3::Hasher::new();
@@ -199,7 +205,7 @@ fn identity_by(scene: &Scene, subject: &Subject, program: &[&[u8]]) -> blake3::H
 #[derive(Clone, Debug, PartialEq)]
 pub struct Whole {
     /// [`identity`] of the scene.
-    pub identity: blake3::Hash,
+    pub identity: Hash,
     /// Width and height in pixels.
     pub size: [u32; 2],
     /// Color behind the object; `None` for transparent.
@@ -245,7 +251,7 @@ fn span(band: &Range<u32>, width: u32) -> Range<usize> {
 /// is missing.
 pub fn merge(paths: &[PathBuf]) -> Result<(Frame, Whole, Vec<String>), ShardError> {
     let mut first: Option<(String, Whole, u32)> = None;
-    let mut found: BTreeMap<u32, (String, blake3::Hash)> = BTreeMap::new();
+    let mut found: BTreeMap<u32, (String, Hash)> = BTreeMap::new();
     let mut pixels = Vec::new();
     let mut devices = Vec::new();
     for path in paths {
@@ -330,7 +336,7 @@ fn header(bytes: &[u8]) -> Option<(Whole, Shard, &[u8])> {
     let (text, rest) = rest.split_at_checked(length)?;
     let provenance = Provenance::from_text(str::from_utf8(text).ok()?).ok()?;
     let whole = Whole {
-        identity: blake3::Hash::from_bytes(*identity),
+        identity: Hash::from_bytes(*identity),
         size: [width, height],
         background: match background.to_be_bytes() {
             [0, ..] => None,

@@ -5,10 +5,10 @@
 
 use crate::eval::{ExactError, Inputs, Invocations, Overflow, Program, Texture};
 use crate::render::error::RenderError;
-use crate::render::inputs::{CELLS, CpuInputs};
+use crate::render::inputs::CpuInputs;
 use crate::render::subject::Subject;
-use crate::render::variant::{self, OCTAVES_ID, Use, Variant};
-use crate::scene::{ParameterValue, Pass, Scene};
+use crate::render::variant::{self, Checkable, OCTAVES_ID, Purpose, Use, Variant, bindings};
+use crate::scene::{ParameterValue, Pass};
 use crate::shader::{FAULT, Library, changed};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -63,16 +63,16 @@ impl fmt::Display for ModuleFault {
 /// The scene has no program, or a device would cut one of its loops.
 pub fn try_custom_modules(
     library: &Library,
-    scene: &Scene,
+    scene: &impl Checkable,
     subject: &Subject,
 ) -> Result<Option<ModuleFault>, RenderError> {
-    let variant = Variant::of(scene, library)?;
+    let variant = scene.checked(library)?;
     let own = own_modules(library, &variant);
     if own.is_empty() {
         return Ok(None);
     }
-    let trial = Trial { library: library.watched(own.iter().map(String::as_str)), scene, subject, variant, own };
-    match trial.run() {
+    let library = library.watched(own.iter().map(String::as_str));
+    match (Trial { library, subject, variant: &variant, own }).run() {
         Ok(fault) => Ok(fault),
         Err(error @ RenderError::Loop { .. }) => Err(error),
         Err(error) => {
@@ -86,19 +86,17 @@ pub fn try_custom_modules(
 pub(crate) fn with_module_cause(
     error: RenderError,
     library: &Library,
-    scene: &Scene,
+    variant: &Variant,
     subject: &Subject,
 ) -> RenderError {
-    let (RenderError::NotFinite { count, x, y, .. }, Ok(variant)) = (&error, Variant::of(scene, library)) else {
-        return error;
-    };
-    let own = own_modules(library, &variant);
-    let cause = match try_custom_modules(library, scene, subject) {
+    let RenderError::NotFinite { count, x, y, .. } = &error else { return error };
+    let own = own_modules(library, variant);
+    let cause = match try_custom_modules(library, variant, subject) {
         Err(error) => return error,
         _ if own.is_empty() => return error,
         Ok(Some(fault)) => format!("{fault}; {FINITE}"),
         Ok(None) => {
-            let all: Vec<String> = own.iter().map(|path| path.clone() + &with(library, &variant, path)).collect();
+            let all: Vec<String> = own.iter().map(|path| path.clone() + &with(library, variant, path)).collect();
             format!(
                 "shipped modules are not the cause; look for values beyond the range of f32 in {}",
                 all.join(" and in ")
@@ -139,9 +137,8 @@ fn with(library: &Library, variant: &Variant, path: &str) -> String {
 struct Trial<'a> {
     /// Library with instrumented modules.
     library: Library,
-    scene: &'a Scene,
     subject: &'a Subject,
-    variant: Variant,
+    variant: &'a Variant,
     /// Custom modules, in the order of their numbers.
     own: Vec<String>,
 }
@@ -159,16 +156,17 @@ struct Found {
 
 impl Trial<'_> {
     fn run(&self) -> Result<Option<ModuleFault>, RenderError> {
-        let Trial { library, scene, subject, variant, .. } = self;
+        let Trial { library, subject, variant, .. } = self;
+        let scene = &variant.scene;
         // A fragment of rays takes all samples of a ray; one of slices takes a single sample.
         let rays = scene.quality.pass == Pass::March;
-        let tried = if rays { variant.clone() } else { variant.probe(scene, library)? };
+        let tried = if rays { (*variant).clone() } else { variant.for_purpose(Purpose::Probe, library)? };
         let program = tried.unoptimized(library)?;
-        let cpu_inputs = CpuInputs::new(library, scene, subject, &tried, &program)?;
+        let cpu_inputs = CpuInputs::new(library, &tried, subject, &program)?;
         let whose = if rays { "ray" } else { "sample" };
         let Found { tried, wrong, beyond } = self.found(&cpu_inputs, &program, scene.image.size, whose)?;
         if scene.light.shadows {
-            let caster = variant.shadow(scene, library)?.unoptimized(library)?;
+            let caster = variant.for_purpose(Purpose::Shadow, library)?.unoptimized(library)?;
             self.found(&cpu_inputs, &caster, cpu_inputs.shadow_target(), "ray of the light")?;
         }
         let of = if rays { "rays" } else { "places" };
@@ -201,19 +199,18 @@ impl Trial<'_> {
         inputs.blocks = cpu_inputs.moments(program)?.into_iter().next().unwrap_or_default();
         for image in program.resources.iter().filter(|resource| matches!(resource.holds, Use::Image)) {
             // Images that are rendered with the picture: full light, and no empty cells.
-            let value = if image.name == CELLS { 0.0 } else { 1.0 };
+            let value = if image.name == bindings::CELLS { 0.0 } else { 1.0 };
             let plain = || Texture { size: [1; 3], texels: vec![[value; 4]] };
             inputs.images.entry(image.binding).or_insert_with(plain);
         }
-        let exact = Program::read(&program.fragment, &[(OCTAVES_ID, self.scene.effect.octaves)])?;
-        let [near, far] = cpu_inputs.depths;
-        let place =
-            |depth| [near + (far - near) * depth, (far - near) / f64::from(self.scene.quality.samples), 0.0, 0.0];
+        let (scene, [near, far]) = (&self.variant.scene, cpu_inputs.depths);
+        let exact = Program::read(&program.fragment, &[(OCTAVES_ID, scene.effect.octaves)])?;
+        let place = |depth| [near + (far - near) * depth, (far - near) / f64::from(scene.quality.samples), 0.0, 0.0];
         let is_own = |place: &str| self.own.iter().any(|path| is_in(path, place));
         evaluate(&exact, &inputs, size, place, is_own).map_err(|error| match error {
             ExactError::Endless { turns, place } => {
                 let own = |path: &&String| is_in(path, &place);
-                let with = |path: &String| with(&self.library, &self.variant, path);
+                let with = |path: &String| with(&self.library, self.variant, path);
                 let with = self.own.iter().find(own).or(self.own.first()).map(with).unwrap_or_default();
                 RenderError::Loop { place, whose, turns, with }
             }

@@ -24,7 +24,7 @@ pub use density::{Along, PolygonizeError, Polygons, densities, density_along, po
 pub use error::RenderError;
 pub use explain::{describe_frame, octaves_held, same_pictures, unused_overrides, unused_settings, warnings};
 pub use frame::{Renderer, Transmittance, check_depth, paste_areas, render, transmittance};
-pub use inputs::{Blocks, CpuInputs, ImageInfo, Sparse};
+pub use inputs::{CpuInputs, ImageInfo, Sparse};
 pub use measurements::{Frame, Measurements};
 pub use subject::{Subject, SubjectRequest, field_margin, open, request};
-pub use variant::OCTAVES_ID;
+pub use variant::{Blocks, OCTAVES_ID};

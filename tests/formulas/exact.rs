@@ -1,7 +1,7 @@
 //! The exact evaluator: operations against Rust's f64, control flow, images, and every program that ships.
 
 use hypertexture::eval::{BoundProgram, Evaluate, Inputs, Interval, Invocations, Number, Program, Texture, Wrap};
-use hypertexture::render::variant::Variant;
+use hypertexture::render::variant::{Purpose, Variant};
 use hypertexture::scene::{self, Pass};
 use hypertexture::shader::{self, Library, Linker, Slots, Stage};
 use std::collections::BTreeMap;
@@ -520,9 +520,8 @@ fn every_program_of_every_preset_lowers() {
             let ms = start.elapsed().as_secs_f64() * 1e3;
             println!("{name}, {}: {} instructions, {ms:.1} ms", variant.entries[1], program.instructions());
             if pass == own {
-                let of_light =
-                    if has_rays { variant.shadow(&scene, &library) } else { variant.light(&scene, &library) };
-                let shadow = of_light.unwrap().program(&library, Linker::new).unwrap();
+                let purpose = if has_rays { Purpose::Shadow } else { Purpose::Light };
+                let shadow = variant.for_purpose(purpose, &library).unwrap().program(&library, Linker::new).unwrap();
                 Program::read(&shadow.fragment, &[]).unwrap_or_else(|error| panic!("shadow of {name}: {error}"));
             }
         }

@@ -251,7 +251,7 @@ fn p39_a_sample_is_as_wide_as_it_is_in_the_space_of_its_object() {
         let subject = subject(&scene, &library);
         let frame = picture(gpu, &library, &scene, &subject);
         let widths: Vec<f32> = frame.pixels.iter().filter(|p| p[3] > 0.999).map(|p| p[0]).collect();
-        let pixel = 2.0 * half_height(&scene, &subject, &Variant::of(&scene, &library).unwrap()) / 48.0;
+        let pixel = 2.0 * half_height(&Variant::of(&scene, &library).unwrap(), &subject) / 48.0;
         let [own, small] = [1.0, 2.0].map(|scale| scale * pixel.max(frame.measurements.step));
         let near = |width: f32| widths.iter().filter(|found| (**found / width - 1.0).abs() < 2e-3).count();
         let counts = [near(own), near(small)];

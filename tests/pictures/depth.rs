@@ -4,7 +4,7 @@ use crate::common::{Ray, box_subject, formula, homogeneous, rays, with_gpu};
 use crate::engine::{projection, view};
 use glam::{DMat4, DVec3, Vec3};
 use hypertexture::gpu::Gpu;
-use hypertexture::render::variant::{Use, Variant};
+use hypertexture::render::variant::{Purpose, Use, Variant};
 use hypertexture::render::{RenderError, Renderer, Subject};
 use hypertexture::scene::{Integration, LightMethod, Pass, Projection, RayPath, Scene, names, preset};
 use hypertexture::shader::{Linker, shipped};
@@ -224,7 +224,11 @@ fn its_program_reads_no_image_that_the_picture_does_not() {
         }
         let variant = Variant::of(&scene, &library).unwrap();
         let picture = variant.program(&library, Linker::new).unwrap();
-        let depth = variant.depth(&by_rays, &library).unwrap().program(&library, Linker::new).unwrap();
+        let depth = Variant { scene: by_rays, ..variant.clone() }
+            .for_purpose(Purpose::Depth, &library)
+            .unwrap()
+            .program(&library, Linker::new)
+            .unwrap();
         for image in depth.resources.iter().filter(|resource| !matches!(resource.holds, Use::Block(_))) {
             assert!(picture.reads(&image.name), "{name} by {pass}, {way:?}: {}", image.name);
         }

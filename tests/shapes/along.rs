@@ -14,7 +14,7 @@ fn along_a_ray_the_density_is_that_of_the_shells_it_crosses() {
     let mut scene = soft_ball();
     (scene.image.size, scene.camera.projection, scene.camera.pan) = ([96, 64], Projection::Parallel, [0.2, -0.1]);
     let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
-    let half = f64::from(half_height(&scene, &subject, &Variant::of(&scene, &library).unwrap()));
+    let half = f64::from(half_height(&Variant::of(&scene, &library).unwrap(), &subject));
     let mut met = 0;
     for [x, y] in [[48, 32], [60, 20], [30, 40], [80, 32], [0, 0]] {
         // Where the ray passes the center, in units of the object; the picture is moved right and down.

@@ -95,12 +95,12 @@ impl Error for Failed {}
 /// Compares, and writes the report.
 pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     let (scene, mut settings) = plan(command)?;
-    let library = super::library(&scene)?;
+    let (variant, library) = super::checked(&scene)?;
     // Faults of the settings and of custom modules are reported before the work begins.
     candidates(&scene, &library, &settings.sweep)?;
-    super::try_modules(&scene, &library, Some(options))?;
-    let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
-    let fault = try_custom_modules(&library, &scene, &subject)?;
+    super::try_modules(&variant, &library, Some(options))?;
+    let subject = with_progress(quiet, "distance field", |progress| Subject::load(&variant, &library, progress))?;
+    let fault = try_custom_modules(&library, &variant, &subject)?;
     let gpu = Gpu::new(options)?;
     settings.sweep.filters = gpu.info().filters_by_few_bits();
     let flag = stop_flag()?;

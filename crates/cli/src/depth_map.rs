@@ -4,13 +4,14 @@ use super::absolute;
 use super::picture::Picture;
 use hypertexture::output::write_map;
 use hypertexture::render::Renderer;
+use hypertexture::render::variant::Variant;
 use serde_json::{Value, json};
 use std::error::Error;
 use std::path::Path;
 
 /// Writes the depth of a picture as channel `Z` of an EXR: see [`Renderer::render_depth`].
 pub(super) fn write_depth_map(picture: &Picture<'_>, path: &Path) -> Result<Value, Box<dyn Error>> {
-    let Picture { gpu, library, scene, subject, tell, .. } = *picture;
+    let Picture { gpu, library, variant: Variant { scene, .. }, subject, tell, .. } = *picture;
     let depth = Renderer::new(gpu, library, subject).render_depth(scene)?;
     let seen = || depth.iter().copied().filter(|depth| depth.is_finite());
     let (pixels, ends) = (seen().count(), seen().reduce(f32::min).zip(seen().reduce(f32::max)));

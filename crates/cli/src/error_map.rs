@@ -4,6 +4,7 @@ use super::picture::Picture;
 use super::{absolute, announced};
 use hypertexture::output::write_map;
 use hypertexture::render::Frame;
+use hypertexture::render::variant::Variant;
 use measure::compare::report::images::heat_png;
 use measure::metric::Errors;
 use measure::reference::{TOLERANCE, reference};
@@ -17,7 +18,7 @@ use support::write_whole;
 /// `estimate` how far the reference itself may be off, as far as samples say, and as `open` the opacity that they may have
 /// overlooked; .png with the worst channel as a color.
 pub(super) fn write_error_map(picture: &Picture<'_>, frame: &Frame, path: &Path) -> Result<Value, Box<dyn Error>> {
-    let Picture { library, scene, subject, quiet, tell, .. } = *picture;
+    let Picture { library, variant: Variant { scene, .. }, subject, quiet, tell, .. } = *picture;
     let known =
         announced(quiet, "error map", |progress| reference(library, scene, subject, TOLERANCE, progress, &|| false))?;
     let off: Vec<[f64; 4]> = (frame.pixels.iter().zip(&known.pixels))

@@ -42,12 +42,12 @@ pub struct Explain {
 /// Draws the picture, and again without each saving.
 pub(super) fn run(command: &Explain, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     let scene = command.arguments.scene(&command.input, &command.object)?;
-    let library = super::library(&scene)?;
-    super::try_modules(&scene, &library, Some(options))?;
-    let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
-    let fault = try_custom_modules(&library, &scene, &subject)?;
+    let (variant, library) = super::checked(&scene)?;
+    super::try_modules(&variant, &library, Some(options))?;
+    let subject = with_progress(quiet, "distance field", |progress| Subject::load(&variant, &library, progress))?;
+    let fault = try_custom_modules(&library, &variant, &subject)?;
     let gpu = Gpu::new(options)?;
-    let explained = announced(quiet, "pictures", |progress| explain(&gpu, &library, &scene, &subject, progress))?;
+    let explained = announced(quiet, "pictures", |progress| explain(&gpu, &library, &variant, &subject, progress))?;
     if command.json {
         let fault = fault.map(|fault| fault.to_string());
         let made_with: Vec<_> =
@@ -103,11 +103,11 @@ impl Other {
 fn explain(
     gpu: &Gpu,
     library: &Library,
-    scene: &Scene,
+    variant: &Variant,
     subject: &Subject,
     progress: Progress<'_>,
 ) -> Result<Explained, Box<dyn Error>> {
-    let warm = |scene: &Scene| -> Result<(Renderer, Frame), RenderError> {
+    let warm = |scene: &Variant| -> Result<(Renderer, Frame), RenderError> {
         let mut renderer = Renderer::new(gpu, library, subject);
         // The second one: slices leave out empty space from there on.
         renderer.render(scene)?;
@@ -115,30 +115,30 @@ fn explain(
         Ok((renderer, frame))
     };
     progress(0.0);
-    let (mut renderer, frame) = warm(scene)?;
-    let made_with = describe_frame(&frame.measurements, scene, subject, library)?;
+    let (mut renderer, frame) = warm(variant)?;
+    let made_with = describe_frame(&frame.measurements, variant, subject, library);
     let (mut times, mut others) = (Vec::new(), Vec::new());
-    let has_zeros = Variant::of(scene, library)?.slots.contains_key(FOLDED);
-    let mores = without(scene);
+    let has_zeros = variant.slots.contains_key(FOLDED);
+    let mores = without(&variant.scene);
     let share = 1.0 / mores.len() as f32;
     for (index, More { how, saves, change }) in mores.into_iter().enumerate() {
         progress(share * index as f32);
-        let mut other = scene.clone();
+        let mut other = variant.scene.clone();
         change(&mut other);
-        let keeps = !other.quality.fold_zero_terms && !has_zeros;
-        if other == *scene || keeps || other.check(library).is_err() {
+        if other == variant.scene || !other.quality.fold_zero_terms && !has_zeros {
             continue;
         }
+        let Ok(other) = Variant::of(&other, library) else { continue };
         let (mut fuller, full) = warm(&other)?;
         let differences =
             frame.pixels.as_flattened().iter().zip(full.pixels.as_flattened()).map(|(a, b)| f64::from((a - b).abs()));
         // Alternately: other load of the machine slows both down.
-        let [scene_times_ms, times_ms] = by_turns([(&mut renderer, scene), (&mut fuller, &other)])?;
+        let [scene_times_ms, times_ms] = by_turns([(&mut renderer, variant), (&mut fuller, &other)])?;
         times.extend(scene_times_ms.iter());
         others.push(Other { how, saves, times_ms, scene_times_ms, difference: largest(differences) });
     }
     if times.is_empty() {
-        [times] = by_turns([(&mut renderer, scene)])?;
+        [times] = by_turns([(&mut renderer, variant)])?;
     }
     Ok(Explained { made_with, times, others })
 }
@@ -153,11 +153,11 @@ fn ends(times: &[f64]) -> [f64; 2] {
 }
 
 /// Times of the pictures of some scenes, drawn alternately.
-fn by_turns<const N: usize>(mut scenes: [(&mut Renderer, &Scene); N]) -> Result<[Vec<f64>; N], RenderError> {
+fn by_turns<const N: usize>(mut scenes: [(&mut Renderer, &Variant); N]) -> Result<[Vec<f64>; N], RenderError> {
     let mut times = [const { Vec::new() }; N];
     for _ in 0..PICTURES {
         for ((renderer, scene), times) in scenes.iter_mut().zip(&mut times) {
-            times.push(renderer.render(scene)?.measurements.alone_ms());
+            times.push(renderer.render(*scene)?.measurements.alone_ms());
         }
     }
     Ok(times)

@@ -8,7 +8,7 @@ use clap::Args;
 use hypertexture::field::Progress;
 use hypertexture::gpu::{Gpu, Options};
 use hypertexture::output::{self, Depth, OutputError, Provenance};
-use hypertexture::render::variant::Variant;
+use hypertexture::render::variant::{Variant, VariantError};
 use hypertexture::render::{Frame, RenderError, Subject, render};
 use hypertexture::scene::{Color, EFFECTS, Object, ParameterValue, Scene, SceneError, names, preset, to_text};
 use hypertexture::shader::{self, Library, ParameterKind};
@@ -155,17 +155,17 @@ pub fn write(
         let path = path.display().to_string();
         move |source| OutputError::Write { path, source }
     };
-    let mut objects = objects(library, scenes)?;
+    let scenes = checked(library, scenes).map_err(RenderError::from)?;
+    let mut objects = objects(&scenes);
     let mut failures = Vec::new();
     let mut groups: [(&str, String); 3] = GROUPS.map(|title| (title, String::new()));
     let share = 1.0 / scenes.len().max(1) as f32;
-    for (index, (name, scene)) in scenes.iter().enumerate() {
-        let done = index as f32 * share;
-        let variant = Variant::of(scene, library).map_err(RenderError::from)?;
-        let shared = objects.iter_mut().find(|shared| shared.serves(scene, &variant));
+    for (index, (name, variant)) in scenes.iter().enumerate() {
+        let (done, scene) = (index as f32 * share, &variant.scene);
+        let shared = objects.iter_mut().find(|shared| shared.serves(variant));
         let shared = shared.expect("`objects` holds the object of every scene");
         let loading = |fraction: f32| progress(done + 0.5 * share * fraction);
-        let frame = match shared.draw(gpu, library, scene, start, &loading) {
+        let frame = match shared.draw(gpu, library, variant, start, &loading) {
             Ok(frame) => frame,
             Err(RenderError::Ended(reason)) => {
                 let title = name.replace('_', " ");
@@ -196,7 +196,7 @@ pub fn write(
              <p class=\"cost\">{} samples in depth, {:.0} ms on the device. Modules: <code>{}</code>. Left out: {}.</p>\n\
              <p><code>{command} -o {file}</code></p></figcaption></figure>\n",
             scene.image.size[0], scene.image.size[1], name.replace('_', " "), escape(&scene.about),
-            parameter_table(&variant), m.slices, m.gpu_ms, escape(&m.modules),
+            parameter_table(variant), m.slices, m.gpu_ms, escape(&m.modules),
             if m.left_out.is_empty() { "nothing".into() } else { m.left_out.join(", ") },
         )
         .expect("writing to a string");
@@ -234,18 +234,19 @@ struct Shared {
     margin: f32,
     closest: bool,
     /// The scene, if it has several objects: it shares none of them.
-    alone: Option<Scene>,
+    alone: Option<Variant>,
     subject: Option<Subject>,
     worker: Option<Worker>,
 }
 
 impl Shared {
-    fn serves(&self, scene: &Scene, variant: &Variant) -> bool {
+    fn serves(&self, variant: &Variant) -> bool {
+        let scene = &variant.scene;
         match &self.alone {
-            Some(alone) => alone == scene,
+            Some(alone) => alone == variant,
             None => {
                 let same = || self.object.without_look() == scene.object.without_look();
-                !scene.has_several() && self.margin == margin(scene, variant) && same()
+                !scene.has_several() && self.margin == margin(variant) && same()
             }
         }
     }
@@ -255,7 +256,7 @@ impl Shared {
         &mut self,
         gpu: &Gpu,
         library: &Library,
-        scene: &Scene,
+        variant: &Variant,
         start: Option<&Start>,
         progress: Progress<'_>,
     ) -> Result<Frame, RenderError> {
@@ -263,48 +264,52 @@ impl Shared {
             let worker = self.worker.take().unwrap_or_else(|| {
                 let object = Box::new(self.object.clone());
                 let load = match &self.alone {
-                    Some(scene) => Load::Scene(to_text(scene)),
+                    Some(alone) => Load::Scene(to_text(&alone.scene)),
                     None => Load::Object { object, margin: self.margin, closest: self.closest },
                 };
                 Worker::new(start, library, load)
             });
-            return Painter::of(self.worker.insert(worker)).render(scene);
+            return Painter::of(self.worker.insert(worker)).render(&variant.scene);
         }
         let subject = match self.subject.take() {
             Some(subject) => subject,
             None => match &self.alone {
-                Some(scene) => Subject::load(scene, library, progress)?,
+                Some(alone) => Subject::load(alone, library, progress)?,
                 None => Subject::load_with_margin(&self.object, self.margin, self.closest, progress)?,
             },
         };
-        render(gpu, library, scene, self.subject.insert(subject))
+        render(gpu, library, variant, self.subject.insert(subject))
     }
 }
 
+/// The scenes, checked.
+fn checked(library: &Library, scenes: &[(String, Scene)]) -> Result<Vec<(String, Variant)>, VariantError> {
+    scenes.iter().map(|(name, scene)| Ok((name.clone(), Variant::of(scene, library)?))).collect()
+}
+
 /// Objects of the scenes without duplicates.
-fn objects(library: &Library, scenes: &[(String, Scene)]) -> Result<Vec<Shared>, RenderError> {
+fn objects(scenes: &[(String, Variant)]) -> Vec<Shared> {
     let mut objects: Vec<Shared> = Vec::new();
-    for (_, scene) in scenes {
-        let variant = Variant::of(scene, library)?;
+    for (_, variant) in scenes {
         let closest = variant.reads_closest();
-        match objects.iter_mut().find(|shared| shared.serves(scene, &variant)) {
+        match objects.iter_mut().find(|shared| shared.serves(variant)) {
             Some(shared) => shared.closest |= closest,
             None => objects.push(Shared {
-                object: scene.object.clone(),
-                margin: margin(scene, &variant),
+                object: variant.scene.object.clone(),
+                margin: margin(variant),
                 closest,
-                alone: scene.has_several().then(|| scene.clone()),
+                alone: variant.scene.has_several().then(|| variant.clone()),
                 subject: None,
                 worker: None,
             }),
         }
     }
-    Ok(objects)
+    objects
 }
 
 /// Reach of the soft region of a scene, object units.
-fn margin(scene: &Scene, variant: &Variant) -> f32 {
-    variant.parameters.outer_iso().unwrap_or(scene.object.outer_iso)
+fn margin(variant: &Variant) -> f32 {
+    variant.parameters.outer_iso().unwrap_or(variant.scene.object.outer_iso)
 }
 
 fn parameter_table(variant: &Variant) -> String {
@@ -344,8 +349,8 @@ mod tests {
     #[test]
     fn figures_of_one_object_share_its_field_where_it_reaches_as_far() {
         let library = hypertexture::shader::shipped();
-        let margins: Vec<f32> =
-            objects(&library, &effects("knot").unwrap()).unwrap().iter().map(|shared| shared.margin).collect();
+        let scenes = checked(&library, &effects("knot").unwrap()).unwrap();
+        let margins: Vec<f32> = objects(&scenes).iter().map(|shared| shared.margin).collect();
         assert!(margins.len() < 6 && margins.contains(&0.5), "lit and solid, but not the flames: {margins:?}");
         assert!(margins.iter().enumerate().all(|(index, margin)| !margins[..index].contains(margin)), "{margins:?}");
     }

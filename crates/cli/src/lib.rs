@@ -46,5 +46,5 @@ pub use session::start;
 pub use terminal::say;
 
 use progress::{announced, with_progress};
-use session::{absolute, library, try_modules, with_device};
+use session::{absolute, checked, try_modules, with_device};
 use terminal::{aside, complain, say_json, silent};

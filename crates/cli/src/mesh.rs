@@ -41,16 +41,16 @@ pub(super) fn run(command: &Mesh, quiet: bool) -> Result<(), Box<dyn Error>> {
     let format = known.ok_or_else(|| format!("--output {}: end the name in {MESH_ENDS}", path.display()))?;
     let scene = command.arguments.scene(&command.input, &command.object)?;
     output::check_all([("--output", path.clone())], files_read(&command.input, &scene))?;
-    let library = super::library(&scene)?;
-    super::try_modules(&scene, &library, None)?;
+    let (variant, library) = super::checked(&scene)?;
+    super::try_modules(&variant, &library, None)?;
     if scene.camera.clip.is_some() {
         ::log::warn!("camera.clip cuts pictures; the mesh is whole");
     }
-    let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
+    let subject = with_progress(quiet, "distance field", |progress| Subject::load(&variant, &library, progress))?;
     output::check_all([("--output", path.clone())], subject.all_others().cloned())?;
-    let fault = try_custom_modules(&library, &scene, &subject)?;
+    let fault = try_custom_modules(&library, &variant, &subject)?;
     let polygons = Polygons { grid: command.grid, density: command.density };
-    let mesh = with_progress(quiet, "mesh", |progress| polygonize(&library, &scene, &subject, polygons, progress))
+    let mesh = with_progress(quiet, "mesh", |progress| polygonize(&library, &variant, &subject, polygons, progress))
         .map_err(|error| match error {
             PolygonizeError::Grid(_) | PolygonizeError::Density(_) => format!("--{error}").into(),
             error => Box::<dyn Error>::from(error),

@@ -16,6 +16,7 @@ use measure::compare::report::replay::{Replayed, text, write};
 use measure::compare::report::{Environment, file_name, load};
 use measure::worker::{Load, Worker};
 use std::error::Error;
+use std::iter;
 use std::sync::atomic::Ordering;
 
 /// Pixels of the pictures that are held against their reference, unless said otherwise.
@@ -27,8 +28,9 @@ const REPEAT: usize = 7;
 pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     let plan = plan(command)?;
     let first = &plan.effects[0];
-    let library = super::library(first)?;
-    let variants = plan.effects.iter().map(|scene| Variant::of(scene, &library)).collect::<Result<Vec<_>, _>>()?;
+    let (variant, library) = super::checked(first)?;
+    let others = plan.effects[1..].iter().map(|scene| Variant::of(scene, &library));
+    let variants = iter::once(Ok(variant)).chain(others).collect::<Result<Vec<_>, _>>()?;
     let margins = variants.iter().map(|variant| variant.parameters.outer_iso().unwrap_or(first.object.outer_iso));
     let (margin, closest) = (margins.fold(0.0, f32::max), variants.iter().any(Variant::reads_closest));
     let subject = with_progress(quiet, "distance field", |progress| {

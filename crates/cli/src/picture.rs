@@ -38,7 +38,8 @@ pub(super) fn smooth(scene: &mut Scene) {
 pub(super) struct Picture<'a> {
     pub(super) gpu: &'a Gpu,
     pub(super) library: &'a Library,
-    pub(super) scene: &'a Scene,
+    /// The checked scene.
+    pub(super) variant: &'a Variant,
     pub(super) subject: &'a Subject,
     pub(super) output: &'a Path,
     /// Bits of each channel of a PNG: 8 or 16.
@@ -70,11 +71,12 @@ pub(super) fn say_fault(fault: Option<ModuleFault>) {
 
 /// Renders a picture, unless it is `drawn` already, and writes the file.
 pub(super) fn render_picture(picture: &Picture<'_>, drawn: Option<Frame>) -> Result<Frame, Box<dyn Error>> {
-    let Picture { gpu, library, scene, subject, output, quiet, tell, .. } = *picture;
+    let Picture { gpu, library, variant, subject, output, quiet, tell, .. } = *picture;
+    let scene = &variant.scene;
     let render = |progress: Progress<'_>| {
         let mut renderer = Renderer::new(gpu, library, subject);
-        renderer.prepare(scene, progress)?;
-        renderer.render(scene)
+        renderer.prepare(variant, progress)?;
+        renderer.render(variant)
     };
     let frame = match drawn {
         Some(drawn) => drawn,
@@ -91,7 +93,7 @@ pub(super) fn render_picture(picture: &Picture<'_>, drawn: Option<Frame>) -> Res
         false => write(&frame, background, depth, &provenance, output)?,
     }
     if !quiet {
-        tell(&summary(picture, &frame)?);
+        tell(&summary(picture, &frame));
         tell(&nothing_seen(scene, subject, &frame).map_or(String::new(), |why| format!("empty      {why}\n")));
     }
     if output != Path::new(STANDARD_OUTPUT) {
@@ -123,15 +125,16 @@ fn nothing_seen(scene: &Scene, subject: &Subject, frame: &Frame) -> Option<Strin
 
 /// Renders a shard of a picture and writes the file.
 pub(super) fn render_shard(picture: &Picture<'_>, shard: Shard) -> Result<Frame, Box<dyn Error>> {
-    let Picture { gpu, library, scene, subject, output, quiet, tell, .. } = *picture;
+    let Picture { gpu, library, variant, subject, output, quiet, tell, .. } = *picture;
+    let scene = &variant.scene;
     let bands = shard.bands(scene.image.size[1]);
     let frame = with_progress(quiet, "picture", |progress| {
         let mut renderer = Renderer::new(gpu, library, subject);
-        renderer.prepare(scene, progress)?;
-        renderer.render_bands(scene, &bands)
+        renderer.prepare(variant, progress)?;
+        renderer.render_bands(variant, &bands)
     })?;
     let whole = shard::Whole {
-        identity: shard::identity(scene, library, subject)?,
+        identity: shard::identity(variant, library, subject)?,
         size: scene.image.size,
         background: scene.image.background,
         depth: picture.depth(),
@@ -141,7 +144,7 @@ pub(super) fn render_shard(picture: &Picture<'_>, shard: Shard) -> Result<Frame,
     write_whole(&path, &shard::encode(&whole, shard, &frame))
         .map_err(|error| format!("{}: {error}; nothing was written", path.display()))?;
     if !quiet {
-        tell(&summary(picture, &frame)?);
+        tell(&summary(picture, &frame));
     }
     tell(&format!("wrote {}\n", absolute(&path)));
     Ok(frame)
@@ -149,14 +152,14 @@ pub(super) fn render_shard(picture: &Picture<'_>, shard: Shard) -> Result<Frame,
 
 /// Scene, notes and measurements of a picture as JSON.
 pub(super) fn object(picture: &Picture<'_>, frame: &Frame) -> Result<Map<String, Value>, Box<dyn Error>> {
-    let Picture { scene, subject, began, loading_ms, .. } = *picture;
+    let Picture { variant: Variant { scene, .. }, subject, began, loading_ms, .. } = *picture;
     let field = subject.field.as_ref().zip(subject.report.as_ref()).map(|(field, report)| {
         json!({
             "size": field.grid.size, "from_cache": report.from_cache, "ms": report.ms, "triangles": report.triangles,
             "open_edges": report.open_edges, "closing_triangles": report.closing_triangles,
         })
     });
-    let notes = notes(picture, frame)?.into_iter().map(|(about, what)| json!({ "about": about, "what": what }));
+    let notes = notes(picture, frame).into_iter().map(|(about, what)| json!({ "about": about, "what": what }));
     let object = [
         ("scene", serde_json::to_value(scene)?),
         ("field", json!(field)),
@@ -170,19 +173,18 @@ pub(super) fn object(picture: &Picture<'_>, frame: &Frame) -> Result<Map<String,
 }
 
 /// Notes on a picture: subject and text.
-fn notes(picture: &Picture<'_>, frame: &Frame) -> Result<Vec<(&'static str, String)>, Box<dyn Error>> {
-    let Picture { library, scene, subject, .. } = *picture;
-    let half_height = half_height(scene, subject, &Variant::of(scene, library)?);
+fn notes(picture: &Picture<'_>, frame: &Frame) -> Vec<(&'static str, String)> {
+    let Picture { library, variant, subject, .. } = *picture;
     let m = &frame.measurements;
-    let mut notes: Vec<_> = coarse(scene, subject, half_height).map(|text| ("voxels", text)).into_iter().collect();
-    notes.extend(octaves_held(m, scene, library).map(|text| ("octaves", text)));
-    notes.extend(warnings(m, scene, subject, library)?.into_iter().map(|text| ("note", text)));
-    Ok(notes)
+    let mut notes: Vec<_> = coarse(variant, subject).map(|text| ("voxels", text)).into_iter().collect();
+    notes.extend(octaves_held(m, variant, library).map(|text| ("octaves", text)));
+    notes.extend(warnings(m, variant, subject).into_iter().map(|text| ("note", text)));
+    notes
 }
 
 /// Time of a render and the work that it left out.
-fn summary(picture: &Picture<'_>, frame: &Frame) -> Result<String, Box<dyn Error>> {
-    let Picture { gpu, scene, subject, began, loading_ms, .. } = *picture;
+fn summary(picture: &Picture<'_>, frame: &Frame) -> String {
+    let Picture { gpu, variant: Variant { scene, .. }, subject, began, loading_ms, .. } = *picture;
     let info = gpu.info();
     let m = &frame.measurements;
     let mut lines = vec![
@@ -198,7 +200,7 @@ fn summary(picture: &Picture<'_>, frame: &Frame) -> Result<String, Box<dyn Error
             report.ms, report.triangles, report.open_edges, report.closing_triangles, m.quantization
         ));
     }
-    lines.extend(notes(picture, frame)?.into_iter().map(|(about, what)| format!("{about:<11}{what}")));
+    lines.extend(notes(picture, frame).into_iter().map(|(about, what)| format!("{about:<11}{what}")));
     lines.push(match (scene.quality.pass, m.fragments) {
         (Pass::Slices, count) => {
             let count = count.map_or(String::new(), |count| format!(", {:.1} M fragments", count as f64 * 1e-6));
@@ -229,13 +231,13 @@ fn summary(picture: &Picture<'_>, frame: &Frame) -> Result<String, Box<dyn Error
         lines.push(format!("bricks     {stored} of {bricks} stored: {bytes:.1} MiB in place of {dense:.1} MiB"));
     }
     lines.push(format!("memory     {:.1} MiB of images on the device\n", m.device_bytes as f64 / f64::from(1 << 20)));
-    Ok(lines.join("\n"))
+    lines.join("\n")
 }
 
-/// Note on visible voxels; `half_height` of the picture at the middle of the scene, object units.
-fn coarse(scene: &Scene, subject: &Subject, half_height: f32) -> Option<String> {
-    let field = subject.field.as_ref()?;
-    let pixel = 2.0 * half_height / scene.image.size[1] as f32;
+/// Note on visible voxels.
+fn coarse(variant: &Variant, subject: &Subject) -> Option<String> {
+    let (scene, field) = (&variant.scene, subject.field.as_ref()?);
+    let pixel = 2.0 * half_height(variant, subject) / scene.image.size[1] as f32;
     let pixels = field.grid.spacing.max_element() * subject.scale / pixel;
     let Kind::Whole(range) = setting("object.resolution")?.kind else { return None };
     let finer = (2 * scene.object.resolution).min(range.high as u32);

@@ -12,6 +12,7 @@ use hypertexture::gpu::{Gpu, Options};
 use hypertexture::output::sequence::{Sequence, manifest_path};
 use hypertexture::output::shard::Shard;
 use hypertexture::output::{self, PROGRAM};
+use hypertexture::render::variant::Variant;
 use hypertexture::render::{Renderer, Subject, check_depth, try_custom_modules, unused_overrides};
 use hypertexture::scene::{self, Pass, Scene};
 use hypertexture::shader::Library;
@@ -22,6 +23,7 @@ use measure::predict::{Estimate, Prediction, predict};
 use measure::statistics::rounded_up;
 use measure::worker::{Load, Worker};
 use serde_json::{Map, Value, json};
+use std::borrow::Cow;
 use std::error::Error;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -85,8 +87,14 @@ pub struct Render {
 impl Render {
     /// Options without effect, separated by commas, if any. `base` is the scene before the arguments, `asked` the
     /// scene with them, `drawn` the one that `--max-error` may have changed.
-    fn ignored(&self, library: &Library, subject: &Subject, [base, asked, drawn]: [&Scene; 3]) -> Option<String> {
-        let (before, after) = (base.fields(), drawn.fields());
+    fn ignored(
+        &self,
+        library: &Library,
+        subject: &Subject,
+        [base, asked]: [&Scene; 2],
+        drawn: &Variant,
+    ) -> Option<String> {
+        let (before, after) = (base.fields(), drawn.scene.fields());
         let set: Vec<_> = asked.fields().into_iter().filter(|field| !before.contains(field)).collect();
         let said = |(name, value): &(String, toml::Value)| format!("{name} = {value}");
         let replaced = set.iter().filter(|field| !after.contains(field));
@@ -159,7 +167,7 @@ pub(super) fn run(command: &Render, options: &Options, quiet: bool) -> Result<()
     if command.max_error.is_none() && !command.arguments.says_rays_of_a_pixel(&command.input) {
         [&mut scene, &mut base].into_iter().for_each(smooth);
     }
-    let library = super::library(&scene)?;
+    let (variant, library) = super::checked(&scene)?;
     let bound = command.max_error.map(|error| ErrorBound::new(command.metric, error)).transpose();
     let bound = bound.map_err(|error| format!("--max-error: {error}"))?;
     command.check_piped()?;
@@ -182,13 +190,13 @@ pub(super) fn run(command: &Render, options: &Options, quiet: bool) -> Result<()
     if let Some(sequence) = &sequence {
         sequence.scene(&scene, sequence.frames.last).check(&library)?;
     }
-    super::try_modules(&scene, &library, Some(options))?;
+    super::try_modules(&variant, &library, Some(options))?;
     let began = Instant::now();
-    let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
+    let subject = with_progress(quiet, "distance field", |progress| Subject::load(&variant, &library, progress))?;
     let loading_ms = began.elapsed().as_secs_f64() * 1e3;
     output::check_all(written, subject.all_others().cloned())?;
-    let fault = try_custom_modules(&library, &scene, &subject)?;
-    let asked = Asked { scene, base, library, subject, bound, shard, sequence, began, loading_ms };
+    let fault = try_custom_modules(&library, &variant, &subject)?;
+    let asked = Asked { variant, base, library, subject, bound, shard, sequence, began, loading_ms };
     let tell = match command.is_piped() && !command.predict {
         _ if quiet || command.json => silent,
         true => aside,
@@ -205,7 +213,7 @@ pub(super) fn run(command: &Render, options: &Options, quiet: bool) -> Result<()
 
 /// A request, before the device is opened.
 struct Asked {
-    scene: Scene,
+    variant: Variant,
     /// The scene before the arguments.
     base: Scene,
     library: Library,
@@ -226,30 +234,33 @@ fn draw(
     (quiet, tell): (bool, fn(&str)),
 ) -> Result<Map<String, Value>, Box<dyn Error>> {
     let Asked { base, library, subject, bound, shard, sequence, began, loading_ms, .. } = asked;
-    let (mut scene, mut drawn) = (asked.scene.clone(), None);
+    let (mut variant, mut drawn) = (Cow::Borrowed(&asked.variant), None);
     let mut object = Map::from_iter([("program".into(), json!(PROGRAM)), ("device".into(), json!(gpu.info().title()))]);
     let mut add = |name: &str, value: Value| drop(object.insert(name.into(), value));
     if let Some(bound) = *bound {
-        let worker = Worker::new(&start(options)?, library, Load::Scene(scene::to_text(&scene)));
+        let worker = Worker::new(&start(options)?, library, Load::Scene(scene::to_text(&variant.scene)));
         let session = Session { gpu, library, subject, worker: Some(&worker), stop: &|| false };
-        let pick = announced(quiet, "fastest settings", |progress| remembered(session, &scene, bound, progress))?;
+        let pick = announced(quiet, "fastest settings", |progress| {
+            remembered(session, &asked.variant.scene, bound, progress)
+        })?;
         tell(&explain(&pick, bound));
         add("settings", settings(&pick, bound));
-        (scene, drawn) = (pick.scene, pick.picture);
+        (variant, drawn) = (Cow::Owned(Variant::of(&pick.scene, library)?), pick.picture);
     }
+    let variant = &*variant;
     if !quiet || command.json {
-        let fields = command.ignored(library, subject, [base, &asked.scene, &scene]);
+        let fields = command.ignored(library, subject, [base, &asked.variant.scene], variant);
         let line = |fields: &String| format!("ignored    {fields}: the picture is the same without\n");
         tell(&fields.as_ref().map_or(String::new(), line));
         add("ignored", json!(fields));
     }
     let (output, depth) = (&*command.output, &*command.depth);
     let (began, loading_ms) = (*began, *loading_ms);
-    let picture = Picture { gpu, library, scene: &scene, subject, output, depth, quiet, tell, began, loading_ms };
+    let picture = Picture { gpu, library, variant, subject, output, depth, quiet, tell, began, loading_ms };
     if command.predict {
-        let prediction = predict(&mut Renderer::new(gpu, library, subject), &scene)?;
+        let prediction = predict(&mut Renderer::new(gpu, library, subject), &variant.scene)?;
         if !command.json {
-            say(&format_prediction(&scene, &prediction)); // all that was asked for: said where it is to be quiet, too
+            say(&format_prediction(&variant.scene, &prediction)); // all that was asked for: said where it is to be quiet, too
         }
         add("prediction", json!(prediction));
     } else if let Some(sequence) = sequence {
@@ -273,7 +284,7 @@ fn draw(
         }
     }
     if let Some(file) = &command.save_scene {
-        write_whole(file, scene::to_text(&scene).as_bytes())
+        write_whole(file, scene::to_text(&variant.scene).as_bytes())
             .map_err(|error| format!("{}: {error}; nothing was written", file.display()))?;
     }
     let written = command.written(*shard, sequence.as_ref())?;

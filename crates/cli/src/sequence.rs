@@ -103,9 +103,10 @@ pub fn render_frames(
     shard: Option<Shard>,
     restart: bool,
 ) -> Result<Value, Box<dyn Error>> {
-    let Picture { gpu, library, scene, subject, output, depth, quiet, tell, .. } = *picture;
+    let Picture { gpu, library, variant, subject, output, depth, quiet, tell, .. } = *picture;
+    let scene = &variant.scene;
     let frames = frames_of(output, sequence, shard)?;
-    let identity = sequence.identity(shard::identity(scene, library, subject)?, depth);
+    let identity = sequence.identity(shard::identity(variant, library, subject)?, depth);
     let Frames { first, last } = sequence.frames;
     let some = (first..=last).step_by(((last - first) / MOST_TRIED + 1) as usize).chain([last]);
     let is_still =

@@ -2,6 +2,7 @@
 
 use hypertexture::gpu::{Gpu, GpuError, Options};
 use hypertexture::render::RenderError;
+use hypertexture::render::variant::{Variant, VariantError};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
 use measure::guard;
@@ -37,17 +38,23 @@ pub fn start(options: &Options) -> Result<Start, Box<dyn Error>> {
     Ok(Start { program, device: options.device.clone(), patience: PATIENCE })
 }
 
-/// Modules of a scene, checked. Those of the user are compiled in a child process.
-pub(crate) fn library(scene: &Scene) -> Result<Library, Box<dyn Error>> {
+/// The checked scene, and its modules. Those of the user are compiled in a child process.
+pub(crate) fn checked(scene: &Scene) -> Result<(Variant, Library), Box<dyn Error>> {
     let library = scene.library()?.compiled_by(&std::env::current_exe()?);
-    scene.check(&library)?;
-    Ok(library)
+    match Variant::of(scene, &library) {
+        Err(VariantError::Scene(error)) => Err(error.into()),
+        variant => Ok((variant?, library)),
+    }
 }
 
 /// Tries the user's modules of a scene in a child process before any other use; with `options`, on a device as well.
-pub(crate) fn try_modules(scene: &Scene, library: &Library, options: Option<&Options>) -> Result<(), Box<dyn Error>> {
+pub(crate) fn try_modules(
+    variant: &Variant,
+    library: &Library,
+    options: Option<&Options>,
+) -> Result<(), Box<dyn Error>> {
     let device = options.map(|options| options.device.as_deref().unwrap_or_default());
-    guard::try_modules(&std::env::current_exe()?, device, (scene, library), &|| false)?;
+    guard::try_modules(&std::env::current_exe()?, device, (variant, library), &|| false)?;
     Ok(())
 }
 

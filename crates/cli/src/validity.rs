@@ -3,6 +3,7 @@
 use super::picture::Picture;
 use super::{absolute, announced};
 use hypertexture::render::Frame;
+use hypertexture::render::variant::Variant;
 use hypertexture::scene::RayPath;
 use measure::compare::report::images::png_of;
 use measure::reference::{TOLERANCE, reference};
@@ -15,7 +16,7 @@ use support::write_whole;
 
 /// Writes the validity of a picture: doubtful pixels in the color of their cause, the others in grey.
 pub(super) fn write_validity(picture: &Picture<'_>, frame: &Frame, path: &Path) -> Result<Value, Box<dyn Error>> {
-    let Picture { gpu, library, scene, subject, quiet, tell, .. } = *picture;
+    let Picture { gpu, library, variant: Variant { scene, .. }, subject, quiet, tell, .. } = *picture;
     let mut validity = announced(quiet, "validity", |progress| {
         progress(0.0);
         Ok::<_, Infallible>(validity(gpu, library, scene, subject, frame))

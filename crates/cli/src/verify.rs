@@ -72,8 +72,8 @@ fn picture(image: &Path, command: &Verify, options: &Options, quiet: bool) -> Re
     let provenance = output::read_provenance(image)?; // before a device is opened
     let reach = reach(command.outside);
     let scene = provenance.scene(image, reach)?;
-    let library = super::library(&scene).map_err(|error| format!("{}: {error}", image.display()))?;
-    super::try_modules(&scene, &library, Some(options))?;
+    let (variant, library) = super::checked(&scene).map_err(|error| format!("{}: {error}", image.display()))?;
+    super::try_modules(&variant, &library, Some(options))?;
     let gpu = Gpu::new(options)?;
     let asked = CheckOptions { pixels: command.pixels, seed: command.seed, bound: command.bound, reach };
     let known = |scene: &Scene, subject: &Subject, pixels: &[[u32; 2]], progress: Progress<'_>| {

@@ -73,7 +73,7 @@ impl Error for NoWindow {}
 pub fn run(command: ViewArguments, options: Options) -> Result<(), Box<dyn Error>> {
     let began = Instant::now();
     let scene = command.arguments.scene(&command.input, &command.object)?;
-    let library = super::library(&scene)?;
+    let (_, library) = super::checked(&scene)?;
     if let Some(file) = &command.screenshot {
         hypertexture::output::check(file)?;
         hypertexture::output::check_all([("--screenshot", file.clone())], files_read(&command.input, &scene))?;

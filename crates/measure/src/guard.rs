@@ -6,7 +6,7 @@
 //! memory ([`limits`]); a scene of shipped modules starts no child.
 
 use hypertexture::gpu::{Gpu, Options};
-use hypertexture::render::variant::{Variant, VariantError};
+use hypertexture::render::variant::{Checkable, Purpose, Variant, VariantError};
 use hypertexture::render::{RenderError, Renderer, Subject, link_cells, try_custom_modules};
 use hypertexture::scene::{self, Object, Scene};
 use hypertexture::shader::compile::{self, Answer, CompileError, Failure, Limits, Trial, read, reply, stage};
@@ -49,7 +49,7 @@ struct Job {
 }
 
 /// Files of a scene's programs that differ from the shipped ones.
-pub fn own_files(scene: &Scene, library: &Library) -> Result<BTreeMap<String, String>, VariantError> {
+pub fn own_files(scene: &impl Checkable, library: &Library) -> Result<BTreeMap<String, String>, VariantError> {
     let mut changed = shader::changed(library);
     if !changed.is_empty() {
         let variants = programs(scene, library)?;
@@ -59,9 +59,9 @@ pub fn own_files(scene: &Scene, library: &Library) -> Result<BTreeMap<String, St
 }
 
 /// Programs of a scene: of its picture, and of its shadows if it casts any.
-pub fn programs(scene: &Scene, library: &Library) -> Result<Vec<Variant>, VariantError> {
-    let picture = Variant::of(scene, library)?;
-    let shadow = scene.light.shadows.then(|| picture.shadow(scene, library)).transpose()?;
+pub fn programs(scene: &impl Checkable, library: &Library) -> Result<Vec<Variant>, VariantError> {
+    let picture = scene.checked(library)?.into_owned();
+    let shadow = picture.scene.light.shadows.then(|| picture.for_purpose(Purpose::Shadow, library)).transpose()?;
     Ok([picture].into_iter().chain(shadow).collect())
 }
 
@@ -97,16 +97,17 @@ fn small(scene: &Scene) -> Scene {
 pub fn try_modules(
     program: &Path,
     device: Option<&str>,
-    (scene, library): (&Scene, &Library),
+    (scene, library): (&impl Checkable, &Library),
     is_stale: &dyn Fn() -> bool,
 ) -> Result<Option<f64>, CompileError> {
-    let changed = own_files(scene, library).map_err(|error| CompileError::Refused(error.to_string()))?;
+    let refused = |error: VariantError| CompileError::Refused(error.to_string());
+    let changed = own_files(scene, library).map_err(refused)?;
     if changed.is_empty() {
         return Ok(None);
     }
     compile::check_lengths(&changed)?;
     let names = compile::names(&changed);
-    let mut bare = scene.clone();
+    let mut bare = scene.checked(library).map_err(refused)?.into_owned().scene;
     bare.modules.clear(); // their texts are in `changed`
     let job = Job { scene: scene::to_text(&bare), changed, draws: device.is_some() };
     let limits = limits();
@@ -154,11 +155,15 @@ pub fn serve(input: impl Read, output: &mut impl Write, options: &Options) -> io
         return reply(output, &refused(&error));
     }
     stage(output)?;
-    let small = small(&scene);
-    let answer = match Subject::load(&small, &library, &|_| ()) {
+    let load = || -> Result<(Variant, Subject), RenderError> {
+        let small = Variant::of(&small(&scene), &library)?;
+        let subject = Subject::load(&small, &library, &|_| ())?;
+        Ok((small, subject))
+    };
+    let answer = match load() {
         // A missing object is not a fault of the modules.
         Err(error) => Answer::Untried(error.to_string()),
-        Ok(subject) => match try_custom_modules(&library, &small, &subject) {
+        Ok((small, subject)) => match try_custom_modules(&library, &small, &subject) {
             Err(error) => refused(&error),
             Ok(_) if !job.draws => Answer::Good(None),
             Ok(_) => {
@@ -180,15 +185,14 @@ pub fn serve(input: impl Read, output: &mut impl Write, options: &Options) -> io
 
 /// Links the programs of a scene, which caches them on disk.
 fn link(scene: &Scene, library: &Library) -> Result<(), VariantError> {
-    for variant in programs(scene, library)? {
-        variant.program(library, Linker::new)?;
-    }
-    link_cells(&Variant::of(scene, library)?, scene, library)
+    let programs = programs(scene, library)?;
+    programs.iter().try_for_each(|variant| variant.program(library, Linker::new).map(drop))?;
+    link_cells(&programs[0], library)
 }
 
 /// Milliseconds of a picture. A slow one is rendered again on a software driver, whose processor time does not depend on the
 /// load of the machine.
-fn drawn(gpu: &Gpu, library: &Library, scene: &Scene, subject: &Subject) -> Result<f64, RenderError> {
+fn drawn(gpu: &Gpu, library: &Library, scene: &Variant, subject: &Subject) -> Result<f64, RenderError> {
     let mut renderer = Renderer::new(gpu, library, subject);
     let ms = renderer.render(scene)?.measurements.gpu_ms;
     let taken = || processor_time(std::process::id());

@@ -1,7 +1,7 @@
 //! Objects, whose fields are computed in the background.
 
 use super::background::{Background, Notify};
-use hypertexture::render::variant::{Variant, VariantError};
+use hypertexture::render::variant::{Checkable, Variant, VariantError};
 use hypertexture::render::{RenderError, Subject, SubjectRequest};
 use hypertexture::scene::{Object, ParameterValue, Parameters, Scene};
 use hypertexture::shader::Library;
@@ -17,8 +17,8 @@ const KEPT: usize = 6;
 pub(super) struct Key(Vec<SubjectRequest>);
 
 impl Key {
-    pub(super) fn of(scene: &Scene, library: &Library) -> Result<Key, VariantError> {
-        let mut wanted = SubjectRequest::all(scene, &Variant::of(scene, library)?);
+    pub(super) fn of(scene: &impl Checkable, library: &Library) -> Result<Key, VariantError> {
+        let mut wanted = SubjectRequest::all(&*scene.checked(library)?);
         wanted.iter_mut().for_each(|wanted| wanted.object = wanted.object.without_look());
         Ok(Key(wanted))
     }
@@ -79,7 +79,7 @@ impl Loader {
     /// regions limited to its fields.
     pub(super) fn stand_in(&self, scene: &Scene, library: &Library) -> Option<(Scene, Arc<Subject>)> {
         let variant = Variant::of(scene, library).ok()?;
-        let wanted = Key::of(scene, library).ok()?.0;
+        let wanted = Key::of(&variant, library).ok()?.0;
         let fits = |(own, wanted): (&SubjectRequest, &SubjectRequest)| {
             own.object.input == wanted.object.input && own.aligned == wanted.aligned && (own.closest || !wanted.closest)
         };

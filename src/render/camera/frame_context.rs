@@ -4,13 +4,10 @@ use super::light_space::LightSpace;
 use super::planes::SlicePlanes;
 use super::view::View;
 use crate::render::subject::Subject;
-use crate::render::variant::{Variant, VariantError};
-use crate::scene::Scene;
-use crate::shader::Library;
+use crate::render::variant::Variant;
 
 #[derive(Clone)]
 pub(crate) struct FrameContext {
-    pub(crate) scene: Scene,
     pub(crate) subject: Subject,
     pub(crate) variant: Variant,
     pub(crate) view: View,
@@ -21,17 +18,10 @@ pub(crate) struct FrameContext {
 }
 
 impl FrameContext {
-    /// Checks a scene and computes its context.
-    pub(crate) fn new(scene: &Scene, subject: &Subject, library: &Library) -> Result<FrameContext, VariantError> {
-        Ok(FrameContext::with_variant(scene, subject, Variant::of(scene, library)?))
-    }
-
-    /// Computes the context of a scene that is drawn with `variant`.
-    pub(crate) fn with_variant(scene: &Scene, subject: &Subject, variant: Variant) -> FrameContext {
-        let view = View::of(scene, subject, &variant);
-        let planes = view.planes(scene.quality.samples);
-        let space = LightSpace::of(scene, &view, &planes);
-        let (scene, subject, whole) = (scene.clone(), subject.clone(), scene.image.size);
-        FrameContext { scene, subject, variant, view, planes, space, whole }
+    pub(crate) fn of(variant: Variant, subject: &Subject) -> FrameContext {
+        let view = View::of(&variant, subject);
+        let planes = view.planes(variant.scene.quality.samples);
+        let (space, whole) = (LightSpace::of(&variant.scene, &view, &planes), variant.scene.image.size);
+        FrameContext { subject: subject.clone(), variant, view, planes, space, whole }
     }
 }

@@ -171,16 +171,17 @@ fn farthest(half_size: Vec3, radius: f32, stretch: Vec3) -> f32 {
 
 /// Half the height of the view at the depth of the middle of the scene, object units: the unit of
 /// [`crate::scene::Camera::pan`].
-pub fn half_height(scene: &Scene, subject: &Subject, variant: &Variant) -> f32 {
-    let view = View::of(scene, subject, variant);
-    match scene.camera.projection {
+pub fn half_height(variant: &Variant, subject: &Subject) -> f32 {
+    let view = View::of(variant, subject);
+    match variant.scene.camera.projection {
         Projection::Perspective => view.ray_scale[1] * view.extent.distance,
         Projection::Parallel => view.ray_scale[1],
     }
 }
 
 impl View {
-    pub(crate) fn of(scene: &Scene, subject: &Subject, variant: &Variant) -> View {
+    pub(crate) fn of(variant: &Variant, subject: &Subject) -> View {
+        let scene = &variant.scene;
         let camera = &scene.camera;
         let mut objects = vec![ObjectView::of("", Transform::default(), scene, subject, &variant.parameters)];
         for (name, part) in &scene.parts {
@@ -336,7 +337,7 @@ mod tests {
                 scene.quality.pass = Pass::Slices;
                 (scene.camera.azimuth, scene.camera.elevation) = (azimuth, elevation);
                 let subject = Subject::load(&scene, &shader::shipped(), &|_| ()).unwrap();
-                View::of(&scene, &subject, &Variant::of(&scene, &shader::shipped()).unwrap())
+                View::of(&Variant::of(&scene, &shader::shipped()).unwrap(), &subject)
             });
             assert_ne!(still.texture_matrix, turned.texture_matrix, "{effect}");
             assert_eq!((still.projection, still.axis), (turned.projection, turned.axis), "{effect}");

@@ -6,7 +6,7 @@
 use super::view::View;
 use crate::render::subject::Subject;
 use crate::render::variant::Variant;
-use crate::scene::{Projection, Scene};
+use crate::scene::Projection;
 use glam::{Mat4, Vec2, Vec3};
 
 /// Distance from the middle, in radii of the ball, at which points stop turning with the ball. Between 1 and this the
@@ -30,16 +30,16 @@ pub struct ViewPose {
 }
 
 impl ViewPose {
-    /// Pose of a scene; `variant` is its program.
-    pub fn of(scene: &Scene, subject: &Subject, variant: &Variant) -> ViewPose {
-        let view = View::of(scene, subject, variant);
+    /// Pose of a scene.
+    pub fn of(variant: &Variant, subject: &Subject) -> ViewPose {
+        let view = View::of(variant, subject);
         ViewPose {
             object_matrix: view.object_matrix,
             distance: view.extent.distance,
             radius: view.shown_radius,
             ray_scale: view.ray_scale.into(),
             pan: view.pan.into(),
-            is_parallel: scene.camera.projection == Projection::Parallel,
+            is_parallel: variant.scene.camera.projection == Projection::Parallel,
         }
     }
 
@@ -67,7 +67,7 @@ impl ViewPose {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::preset;
+    use crate::scene::{Scene, preset};
     use crate::shader;
 
     fn sight(change: impl Fn(&mut Scene)) -> (ViewPose, View) {
@@ -77,7 +77,7 @@ mod tests {
         change(&mut scene);
         let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
         let variant = Variant::of(&scene, &library).unwrap();
-        (ViewPose::of(&scene, &subject, &variant), View::of(&scene, &subject, &variant))
+        (ViewPose::of(&variant, &subject), View::of(&variant, &subject))
     }
 
     /// Place of an object-space point in a picture, by the projection of the renderer.

@@ -8,7 +8,7 @@ use super::prover::{CellGrid, CellProver, Reads, STACK};
 use crate::gpu::{Gpu, Image, Uploads};
 use crate::render::camera::FrameContext;
 use crate::render::error::RenderError;
-use crate::render::inputs::{ImageInfo, TIME, Values};
+use crate::render::inputs::{ImageInfo, Values};
 use crate::shader::Library;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -80,7 +80,7 @@ impl BackgroundCells {
         uploads: &Uploads,
     ) -> Result<Option<Arc<Image>>, RenderError> {
         self.take();
-        let time = values.get(TIME).and_then(|time| time.first()).copied().unwrap_or_default();
+        let time = values.time;
         let rests = self.last.replace(time) == Some(time);
         let holds = |proven: &Proven| proven.holds(frame, values, time);
         let held = self.proven.as_ref().map(holds).transpose()?.unwrap_or(false);

@@ -5,12 +5,11 @@
 //! Sums of octaves stay. Invariant: only shipped noise is replaced, since the range belongs to its text.
 
 use crate::noise::{Lattice, Weights};
-use crate::render::inputs::CELLS;
-use crate::render::variant::{Program, Variant, slot_of};
+use crate::render::variant::{Program, Variant, bindings, slot_of};
 use crate::shader::{self, Library};
 
 /// Binding of the replaced noise. Programs that decide about cells do not read the cell grid.
-pub const LOOKED_UP: &str = CELLS;
+pub const LOOKED_UP: &str = bindings::CELLS;
 /// Name of the binding's accessor in GLSL.
 const NAME: &str = "cell_grid";
 /// Replaced files and their replacements. The level of a lookup is that of

@@ -11,9 +11,9 @@ use super::time_span::TimeSpan;
 use crate::gpu::{Area, Dimension, Format, Gpu, Image, Uploads};
 use crate::render::camera::FrameContext;
 use crate::render::error::RenderError;
-use crate::render::inputs::{ImageInfo, TIME, Values};
+use crate::render::inputs::{ImageInfo, Values};
 use crate::render::variant::{Variant, VariantError};
-use crate::scene::{Pass, Scene};
+use crate::scene::Pass;
 use crate::shader::Library;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -151,13 +151,12 @@ impl EmptyCells {
                 CellGrid { side: 0, .. } => few(),
                 last => {
                     let is_of = |boxes: &CellGrid| self.key.as_ref().is_some_and(|(_, of)| of == boxes);
-                    let time = values.get(TIME).and_then(|time| time.first()).copied().unwrap_or_default();
+                    let (time, camera) = (values.time, &frame.variant.scene.camera);
                     let timeless = bounded.reads.timeless(values)?;
                     if is_of(&last) && self.span.holds(&timeless, time) {
                         return Ok(());
                     }
                     let read = bounded.fill(values, [time; 2])?;
-                    let camera = &frame.scene.camera;
                     let end = (camera.time + f64::from(camera.shutter)) as f32;
                     let times = self.span.next(&timeless, time, end);
                     let boxes = CellGrid::of(frame, side_of(bounded.texels, self.span.to_share(times)));
@@ -217,13 +216,14 @@ fn part(empty: &[bool]) -> f32 {
 ///
 /// # Errors
 /// As [`Variant::program`].
-pub fn link(variant: &Variant, scene: &Scene, library: &Library) -> Result<(), VariantError> {
-    deciding(variant, scene, library).map(drop)
+pub fn link(variant: &Variant, library: &Library) -> Result<(), VariantError> {
+    deciding(variant, library).map(drop)
 }
 
 /// Whether a picture is drawn faster with known empty cells: by all rays whose program asks for them.
 fn serve(frame: &FrameContext, library: &Library) -> bool {
-    frame.scene.quality.pass == Pass::March || frame.scene.has_tiles(library)
+    let scene = &frame.variant.scene;
+    scene.quality.pass == Pass::March || scene.has_tiles(library)
 }
 
 /// Uploads a cube of cells, each with its distance to one that may hold matter.
@@ -234,7 +234,7 @@ pub(crate) fn image(gpu: &Gpu, uploads: &Uploads, side: u32, texels: &[u8]) -> R
 /// Cells along a side that pay for a picture, given the texels that bounds read and the number of `pictures` that share
 /// the proofs; 0 if none pay.
 pub(super) fn side(is_cpu: bool, frame: &FrameContext, texels: u64, is_first: bool, pictures: u32) -> u32 {
-    let scene = &frame.scene;
+    let scene = &frame.variant.scene;
     let [width, height] = frame.whole.map(f64::from);
     let samples =
         width * height * f64::from(frame.planes.count) * f64::from(scene.quality.supersampling) * unskipped(frame);
@@ -253,13 +253,14 @@ pub(super) fn side(is_cpu: bool, frame: &FrameContext, texels: u64, is_first: bo
 
 /// Estimated share of samples that the distance field does not skip; slices skip none by it.
 fn unskipped(frame: &FrameContext) -> f64 {
-    if frame.scene.quality.pass == Pass::Slices {
+    let scene = &frame.variant.scene;
+    if scene.quality.pass == Pass::Slices {
         return 1.0;
     }
     let near = frame.view.objects.iter().map(|own| {
         let inner_iso = match own.name.as_str() {
-            "" => frame.scene.object.inner_iso,
-            name => frame.scene.parts[name].object.inner_iso,
+            "" => scene.object.inner_iso,
+            name => scene.parts[name].object.inner_iso,
         };
         own.scale * (own.spread.moves.span() + own.outer_iso - inner_iso)
     });

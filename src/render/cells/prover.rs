@@ -7,9 +7,8 @@ use crate::eval::{self, F32Interval, Fingerprint, Interval};
 use crate::noise::Lattice;
 use crate::render::camera::FrameContext;
 use crate::render::error::RenderError;
-use crate::render::inputs::{ImageInfo, Inputs, TIME, Values, blocks, texture, wrap};
-use crate::render::variant::{OCTAVES_ID, Program, Resource, Variant, VariantError};
-use crate::scene::Scene;
+use crate::render::inputs::{ImageInfo, Inputs, Values, blocks_at, texture, wrap};
+use crate::render::variant::{OCTAVES_ID, Program, Purpose, Resource, Variant, VariantError};
 use crate::shader::{Library, Linker};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -86,12 +85,8 @@ pub(super) struct CellGrid {
 }
 
 /// The program that decides where matter is, and the noise that it looks up.
-pub(super) fn deciding(
-    variant: &Variant,
-    scene: &Scene,
-    library: &Library,
-) -> Result<(Program, Option<Lattice>), VariantError> {
-    let variant = variant.cells(scene, library)?;
+pub(super) fn deciding(variant: &Variant, library: &Library) -> Result<(Program, Option<Lattice>), VariantError> {
+    let variant = variant.for_purpose(Purpose::Cells, library)?;
     match bounded_noise::bounded(&variant, library) {
         Some((program, noise)) => Ok((program, Some(noise))),
         None => Ok((variant.program(library, Linker::new)?, None)),
@@ -106,11 +101,11 @@ impl CellProver {
         image_of: &dyn Fn(&str) -> Option<ImageInfo>,
         pays: impl Fn(u64) -> bool,
     ) -> Result<CellProver, RenderError> {
-        let (program, noise) = match deciding(&frame.variant, &frame.scene, library) {
+        let (program, noise) = match deciding(&frame.variant, library) {
             Ok(deciding) => deciding,
             Err(error) => return Ok(CellProver::Unavailable(error.to_string())),
         };
-        let octaves = [(OCTAVES_ID, frame.scene.effect.octaves)];
+        let octaves = [(OCTAVES_ID, frame.variant.scene.effect.octaves)];
         let code = match eval::Program::read_channel(&program.fragment, &octaves, (0, 3)) {
             Ok(code) => code,
             Err(error) => return Ok(CellProver::Unavailable(error.to_string())),
@@ -193,8 +188,8 @@ impl BoundedProgram {
     /// Sets the uniforms for the time span from `time` to `until`. Returns the bits of all values that depend on them
     /// at `time`.
     pub(super) fn fill(&mut self, values: &Values, [time, until]: [f32; 2]) -> Result<Vec<u64>, RenderError> {
-        self.inputs.blocks = filled(&self.reads.program, values, time)?;
-        self.inputs.until = if until > time { filled(&self.reads.program, values, until)? } else { BTreeMap::new() };
+        self.inputs.blocks = blocks_at(&self.reads.program, values, time)?;
+        self.inputs.until = if until > time { blocks_at(&self.reads.program, values, until)? } else { BTreeMap::new() };
         if self.inputs.until == self.inputs.blocks {
             self.inputs.until.clear(); // independent of time
         }
@@ -279,18 +274,8 @@ impl BoundedProgram {
 impl Reads {
     /// Bytes of the uniforms that the program reads, except the time.
     pub(super) fn timeless(&self, values: &Values) -> Result<Vec<u8>, RenderError> {
-        let filled = filled(&self.program, values, 0.0)?;
-        let blocks = filled.iter().map(|(binding, bytes)| (*binding, bytes.as_slice()));
-        Ok(self.program.parts_read(&self.members, blocks))
+        Ok(self.program.parts_read(&self.members, &blocks_at(&self.program, values, 0.0)?))
     }
-}
-
-/// Blocks of a program at a time, by binding.
-fn filled(program: &Program, values: &Values, time: f32) -> Result<BTreeMap<u32, Vec<u8>>, RenderError> {
-    let mut values = values.clone();
-    values.insert(TIME.into(), vec![time]);
-    let filled = blocks(program, &values)?.into_iter();
-    Ok(filled.map(|(resource, bytes)| (resource.binding, bytes)).collect())
 }
 
 /// Packs eight booleans into a byte.

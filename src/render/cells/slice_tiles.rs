@@ -22,7 +22,7 @@ const REACH: f32 = 0.75;
 pub(super) fn tiles(frame: &FrameContext, boxes: &CellGrid, empty: &[bool], within: &[Area]) -> Tiles {
     let (planes, side) = (&frame.planes, boxes.side);
     let alike = (planes.count / (GROUPS * side)).max(1);
-    let [columns, rows] = frame.scene.image.size.map(|side| side.div_ceil(SIDE) as usize);
+    let [columns, rows] = frame.variant.scene.image.size.map(|side| side.div_ceil(SIDE) as usize);
     let mut marks = vec![vec![false; columns * rows]; planes.count.div_ceil(alike) as usize];
     let seen = Seen::of(frame);
     for index in (0..side.pow(3)).filter(|&index| !empty[index as usize]) {
@@ -32,7 +32,7 @@ pub(super) fn tiles(frame: &FrameContext, boxes: &CellGrid, empty: &[bool], with
         let plane = |depth: f32| (depth - planes.first_depth) / planes.step;
         let behind = REACH + f32::from(u8::from(frame.variant.looks_back));
         let met = within_count(plane(depths.start) - REACH + 1.0..plane(depths.end) + behind, planes.count as usize);
-        let drawn = match frame.scene.quality.order {
+        let drawn = match frame.variant.scene.quality.order {
             Order::FrontToBack => met,
             Order::BackToFront => planes.count as usize - met.end..planes.count as usize - met.start,
         };
@@ -71,7 +71,7 @@ impl Seen {
             object_matrix: view.object_matrix,
             projection: view.projection,
             pan: view.pan.into(),
-            size: Vec2::from(frame.scene.image.size.map(|side| side as f32)),
+            size: Vec2::from(frame.variant.scene.image.size.map(|side| side as f32)),
             near: view.extent.near,
         }
     }

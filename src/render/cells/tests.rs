@@ -7,9 +7,9 @@ use crate::eval;
 use crate::gpu::Area;
 use crate::render::camera::{FrameContext, SubFrame};
 use crate::render::error::RenderError;
-use crate::render::inputs::{CELLS, CpuInputs, ImageInfo, Inputs, TIME, Values};
+use crate::render::inputs::{CpuInputs, ImageInfo, Inputs, Values};
 use crate::render::subject::Subject;
-use crate::render::variant::{OCTAVES_ID, Variant};
+use crate::render::variant::{OCTAVES_ID, Purpose, Variant, bindings};
 use crate::scene::{Order, Pass, Projection, RayPath, Scene, names, preset};
 use crate::shader::{self, Library, Linker, ParameterKind};
 use support::random::SplitMix;
@@ -33,7 +33,7 @@ fn a_cell_knows_how_far_it_is_to_the_next_that_may_hold_matter() {
 
 /// Context of a scene with its loaded subject.
 fn context(scene: &Scene, library: &Library) -> FrameContext {
-    FrameContext::new(scene, &Subject::load(scene, library, &|_| ()).unwrap(), library).unwrap()
+    FrameContext::of(Variant::of(scene, library).unwrap(), &Subject::load(scene, library, &|_| ()).unwrap())
 }
 
 /// The prover of a scene, and the values of its first picture, which are set.
@@ -50,7 +50,7 @@ pub(super) fn loaded(scene: &Scene, library: &Library) -> Loaded {
     let inputs = Inputs::new(library, &frame, &program, &|_| ()).unwrap();
     let CellProver::Ready(mut bounded) = prover(library, &frame, |_| true) else { panic!("{}", frame.variant.key()) };
     let values = inputs.stored().values(&frame, &SubFrame::all(scene).next().unwrap());
-    let read = bounded.fill(&values, [values[TIME][0]; 2]).unwrap();
+    let read = bounded.fill(&values, [values.time; 2]).unwrap();
     Loaded { frame, bounded, values, read }
 }
 
@@ -59,7 +59,7 @@ fn prover(library: &Library, frame: &FrameContext, pays: impl Fn(u64) -> bool) -
     let program = frame.variant.program(library, Linker::new).unwrap();
     let images = Inputs::new(library, frame, &program, &|_| ()).unwrap().images;
     let image_of = |name: &str| {
-        let binding = program.resources.iter().find(|resource| resource.name == name)?.binding;
+        let binding = program.binding(name)?;
         let (_, image) = images.iter().find(|(own, _)| *own == binding)?;
         let bits = 8 * image.format.bytes() as u32 / image.format.channels();
         let (name, channels, bytes) = (image.name.into(), image.format.channels(), image.bytes.len() as u64);
@@ -104,9 +104,10 @@ fn cells_end_where_something_else_is_to_be_done() {
 
 /// The drawn program of matter, without replaced noise.
 pub(super) fn drawn(scene: &Scene, library: &Library, frame: &FrameContext) -> (eval::Program, eval::Inputs) {
-    let program = frame.variant.cells(scene, library).unwrap().program(library, Linker::new).unwrap();
+    let variant = Variant { scene: scene.clone(), ..frame.variant.clone() };
+    let program = variant.for_purpose(Purpose::Cells, library).unwrap().program(library, Linker::new).unwrap();
     let code = eval::Program::read(&program.fragment, &[(OCTAVES_ID, scene.effect.octaves)]).unwrap();
-    let read = CpuInputs::new(library, scene, &frame.subject, &frame.variant, &program).unwrap();
+    let read = CpuInputs::new(library, &variant, &frame.subject, &program).unwrap();
     let blocks = read.moments(&program).unwrap().swap_remove(0);
     (code, eval::Inputs { blocks, ..read.exact() })
 }
@@ -115,7 +116,7 @@ pub(super) fn drawn(scene: &Scene, library: &Library, frame: &FrameContext) -> (
 fn judge(scene: &Scene, side: u32, random: &mut SplitMix, samples: usize) -> (usize, usize) {
     let library = shader::shipped();
     let Loaded { frame, bounded, .. } = loaded(scene, &library);
-    assert!(frame.variant.program(&library, Linker::new).unwrap().reads(CELLS), "{}", frame.variant.key());
+    assert!(frame.variant.program(&library, Linker::new).unwrap().reads(bindings::CELLS), "{}", frame.variant.key());
     let boxes = CellGrid::of(&frame, side);
     let empty = bounded.empty(&boxes, &|| false).unwrap().unwrap();
     let which: Vec<u32> = (0..side.pow(3)).filter(|&index| empty[index as usize]).collect();
@@ -231,7 +232,7 @@ fn noise_is_not_looked_up_in_place_of_cells_that_a_module_reads() {
         let text = format!("float own(float d, Sample s) {{ return {look_up}; }}");
         let library = shader::shipped().with_module("dmf", "own", &text);
         assert!(compute_noise(&mut scene, &library, COMPUTED[0]));
-        let cells = Variant::of(&scene, &library).unwrap().cells(&scene, &library).unwrap();
+        let cells = Variant::of(&scene, &library).unwrap().for_purpose(Purpose::Cells, &library).unwrap();
         assert_eq!(bounded_noise::ranged(&cells, &library).is_some(), known, "{look_up}");
     }
 }

@@ -8,7 +8,8 @@ use super::program::{Density, DensityProgram};
 use crate::eval::ExactError;
 use crate::field::{LevelSet, Progress};
 use crate::render::subject::Subject;
-use crate::scene::{Object, Scene};
+use crate::render::variant::Checkable;
+use crate::scene::Object;
 use crate::shader::Library;
 use crate::shape::Mesh;
 use glam::{DVec3, Vec3};
@@ -93,7 +94,7 @@ impl Samples {
 /// is out of range.
 pub fn polygonize(
     library: &Library,
-    scene: &Scene,
+    scene: &impl Checkable,
     subject: &Subject,
     polygons: Polygons,
     progress: Progress<'_>,
@@ -105,7 +106,8 @@ pub fn polygonize(
     if !(density > 0.0 && density <= 1.0) {
         return Err(PolygonizeError::Density(density));
     }
-    let program = DensityProgram::of(library, scene, subject)?;
+    let variant = scene.checked(library)?;
+    let program = DensityProgram::of(library, &variant, subject)?;
     let (density, view) = (program.bound(f64::from(density))?, &program.view);
     let samples = Samples::around(view.box_min.as_dvec3(), view.box_max.as_dvec3(), grid);
 
@@ -116,7 +118,7 @@ pub fn polygonize(
         let found = crossings(&density, &samples, edges)?;
         let done = done.fetch_add(edges.len(), Ordering::Relaxed) + edges.len();
         progress(0.5 + 0.5 * done as f32 / set.edges.len() as f32);
-        Ok(found.into_iter().map(|place| world(subject, &scene.object, place)).collect())
+        Ok(found.into_iter().map(|place| world(subject, &variant.scene.object, place)).collect())
     });
     let positions: Vec<Vec<Vec3>> = chunks.collect::<Result<_, ExactError>>()?;
     Ok(Mesh { positions: positions.concat(), triangles: set.triangles, offset: subject.offset })

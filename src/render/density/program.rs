@@ -9,8 +9,8 @@ use crate::render::cells::{LOOKED_UP, bounded};
 use crate::render::error::RenderError;
 use crate::render::inputs::CpuInputs;
 use crate::render::subject::Subject;
-use crate::render::variant::{OCTAVES_ID, Variant};
-use crate::scene::{Projection, Scene};
+use crate::render::variant::{Checkable, OCTAVES_ID, Purpose, Variant};
+use crate::scene::Projection;
 use crate::shader::{Library, Linker};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -37,17 +37,17 @@ pub(crate) struct DensityProgram {
 
 impl DensityProgram {
     /// Links and loads the density of a scene.
-    pub fn of(library: &Library, scene: &Scene, subject: &Subject) -> Result<DensityProgram, PolygonizeError> {
+    pub fn of(library: &Library, drawn: &Variant, subject: &Subject) -> Result<DensityProgram, PolygonizeError> {
         let library = library.clone().with_module("opacity", "density", DENSITY);
-        let drawn = Variant::of(scene, &library)?;
-        let variant = drawn.cells_by("density", scene, &library)?;
+        let mut variant = drawn.for_purpose(Purpose::Cells, &library)?;
+        variant.slots.entry("opacity".into()).and_modify(|names| *names = vec!["density".into()]);
         let program = variant.program(&library, Linker::new).map_err(RenderError::from)?;
-        let cpu_inputs = CpuInputs::new(&library, scene, subject, &drawn, &program)?;
+        let cpu_inputs = CpuInputs::new(&library, drawn, subject, &program)?;
         let mut inputs = cpu_inputs.exact();
         inputs.blocks = cpu_inputs.moments(&program)?.into_iter().next().unwrap_or_default();
-        let octaves = [(OCTAVES_ID, scene.effect.octaves)];
+        let octaves = [(OCTAVES_ID, drawn.scene.effect.octaves)];
         let code = eval::Program::read_channel(&program.fragment, &octaves, (0, 3))?;
-        let view = View::of(scene, subject, &drawn);
+        let view = View::of(drawn, subject);
         Ok(DensityProgram { code, inputs, view, library, variant, octaves, cpu_inputs })
     }
 
@@ -57,8 +57,7 @@ impl DensityProgram {
             None => (None, self.inputs.clone()),
             Some((program, noise)) => {
                 let code = eval::Program::read_channel(&program.fragment, &self.octaves, (0, 3))?;
-                let lookup = program.resources.iter().find(|resource| resource.name == LOOKED_UP);
-                let noises = lookup.map(|lookup| (lookup.binding, noise)).into_iter().collect();
+                let noises = program.binding(LOOKED_UP).map(|lookup| (lookup, noise)).into_iter().collect();
                 let blocks = self.cpu_inputs.moments(&program)?.into_iter().next().unwrap_or_default();
                 (Some(code), eval::Inputs { blocks, noises, ..self.inputs.clone() })
             }
@@ -123,12 +122,12 @@ impl Density<'_> {
 /// As [`polygonize`](crate::render::polygonize), except for its settings.
 pub fn densities(
     library: &Library,
-    scene: &Scene,
+    scene: &impl Checkable,
     subject: &Subject,
     places: u32,
     bins: usize,
 ) -> Result<Vec<u32>, PolygonizeError> {
-    let program = DensityProgram::of(library, scene, subject)?;
+    let program = DensityProgram::of(library, &*scene.checked(library)?, subject)?;
     let density = program.bound(0.0)?;
     let (low, high) = (program.view.box_min.as_dvec3(), program.view.box_max.as_dvec3());
     const PLASTIC: f64 = 1.220_744_084_605_759_5; // root of x^4 = x + 1
@@ -165,13 +164,14 @@ const ROUNDED: f64 = 1e-6;
 /// As [`polygonize`](crate::render::polygonize), except for its settings.
 pub fn density_along(
     library: &Library,
-    scene: &Scene,
+    scene: &impl Checkable,
     subject: &Subject,
     pixel: [u32; 2],
     places: usize,
 ) -> Result<Vec<Along>, PolygonizeError> {
-    let program = DensityProgram::of(library, scene, subject)?;
-    let view = &program.view;
+    let checked = scene.checked(library)?;
+    let program = DensityProgram::of(library, &checked, subject)?;
+    let (scene, view) = (&checked.scene, &program.view);
     let ndc = [0, 1].map(|axis| {
         let side = f64::from(scene.image.size[axis]);
         (2.0 * f64::from(pixel[axis]) + 1.0) / side - 1.0 - f64::from(view.pan[axis])

@@ -1,24 +1,14 @@
 //! Description of a picture's inputs in words.
 
 use super::warnings::warnings;
-use crate::render::error::RenderError;
 use crate::render::measurements::Measurements;
 use crate::render::subject::Subject;
 use crate::render::variant::{Variant, why_left_out};
-use crate::scene::Scene;
 use crate::shader::Library;
 use crate::shader::slots::FOLDED;
 
 /// Lines on the inputs of a picture, on omitted parts and on warnings: pairs of a topic and a text.
-///
-/// # Errors
-/// The scene has no program.
-pub fn describe_frame(
-    m: &Measurements,
-    scene: &Scene,
-    subject: &Subject,
-    library: &Library,
-) -> Result<Vec<[String; 2]>, RenderError> {
+pub fn describe_frame(m: &Measurements, variant: &Variant, subject: &Subject, library: &Library) -> Vec<[String; 2]> {
     let line = |about: &str, what: String| [about.to_string(), what];
     let mib = |bytes: u64| bytes as f64 / f64::from(1 << 20);
     let mut lines = vec![
@@ -32,18 +22,17 @@ pub fn describe_frame(
         lines.push(line("reads", format!("{name}: {size}, {channels} x {bits} bits, {:.2} MiB", mib(image.bytes))));
     }
     lines.extend(m.left_out.iter().map(|part| line("left out", format!("{part}: {}", why_left_out(part)))));
-    let variant = Variant::of(scene, library)?;
     let zero = variant.slots.get(FOLDED).map(|names| names.join(", "));
     lines.extend(zero.map(|names| line("left out", format!("terms of parameters that are 0: {names}"))));
-    lines.extend(octaves_held(m, scene, library).map(|text| line("octaves", text)));
+    lines.extend(octaves_held(m, variant, library).map(|text| line("octaves", text)));
     lines.extend(m.cells.as_ref().map(|cells| line("cells", cells.to_string())));
-    lines.extend(warnings(m, scene, subject, library)?.into_iter().map(|text| line("note", text)));
+    lines.extend(warnings(m, variant, subject).into_iter().map(|text| line("note", text)));
     lines.push(line("memory", format!("{:.1} MiB of images on the device", mib(m.device_bytes))));
-    Ok(lines)
+    lines
 }
 
 /// Notes the octaves that a scene requests beyond their limit.
-pub fn octaves_held(m: &Measurements, scene: &Scene, library: &Library) -> Option<String> {
+pub fn octaves_held(m: &Measurements, variant: &Variant, library: &Library) -> Option<String> {
     let [held, asked] = m.octaves.filter(|[held, asked]| held < asked)?;
-    Some(format!("{held} of {asked}: {}", scene.octaves_limit(library)))
+    Some(format!("{held} of {asked}: {}", variant.scene.octaves_limit(library)))
 }

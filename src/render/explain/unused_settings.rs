@@ -10,9 +10,9 @@ use crate::noise::Period;
 use crate::render::camera::{FrameContext, SubFrame};
 use crate::render::error::RenderError;
 use crate::render::frame::OpaqueMask;
-use crate::render::inputs::{CELLS, Filter, SHADOW, StoredObjects, blocks, image_key};
+use crate::render::inputs::{Filter, StoredObjects, blocks, image_key};
 use crate::render::subject::{Recipe, Subject, SubjectRequest, opened};
-use crate::render::variant::{OCTAVES_ID, Program, Variant};
+use crate::render::variant::{Checkable, OCTAVES_ID, Program, Purpose, Variant, bindings};
 use crate::scene::schema::{Kind, SETTINGS, Setting, setting};
 use crate::scene::{Object, Order, Pass, Quality, Scene};
 use crate::shader::{Library, Linker};
@@ -35,8 +35,9 @@ const VERTEX_VALUES: [&str; 7] =
 /// a time. `subject` is that of the scene.
 ///
 /// Empty if the scene does not link; undecidable fields are not listed.
-pub fn unused_overrides(library: &Library, subject: &Subject, base: &Scene, scene: &Scene) -> Vec<String> {
-    let mut comparer = PictureComparer::new(library, subject);
+pub fn unused_overrides(library: &Library, subject: &Subject, base: &Scene, scene: &impl Checkable) -> Vec<String> {
+    let Ok(variant) = scene.checked(library) else { return Vec::new() };
+    let (mut comparer, scene) = (PictureComparer::new(library, subject), &variant.scene);
     let before: HashMap<String, String> =
         base.fields().into_iter().map(|(name, value)| (name, value.to_string())).collect();
     let set = scene.fields().into_iter().map(|(name, value)| (name, value.to_string()));
@@ -46,11 +47,11 @@ pub fn unused_overrides(library: &Library, subject: &Subject, base: &Scene, scen
     if set.is_empty() {
         return Vec::new();
     }
-    let Ok(own) = comparer.fingerprint(scene) else { return Vec::new() };
+    let Ok(own) = comparer.fingerprint(&variant) else { return Vec::new() };
     let changes_nothing = |(name, _): &&(String, String)| {
         let mut without = scene.clone();
         let old = before.get(name).map_or("", String::as_str);
-        without.set_field(name, old).is_ok() && comparer.same_picture(scene, own, &without)
+        without.set_field(name, old).is_ok() && comparer.same_picture(&variant, own, &without)
     };
     set.iter().filter(changes_nothing).map(|(name, value)| format!("{name} = {value}")).collect()
 }
@@ -66,7 +67,8 @@ pub fn unused_settings(
     is_cancelled: &dyn Fn() -> bool,
 ) -> Vec<String> {
     let mut comparer = PictureComparer::new(library, subject);
-    let (Ok(variant), Ok(own)) = (Variant::of(scene, library), comparer.fingerprint(scene)) else { return Vec::new() };
+    let Ok(variant) = Variant::of(scene, library) else { return Vec::new() };
+    let Ok(own) = comparer.fingerprint(&variant) else { return Vec::new() };
     let values: HashMap<String, String> =
         scene.fields().into_iter().map(|(name, value)| (name, value.to_string())).collect();
     let parts = values.keys().filter(|name| name.starts_with("parts.")).map(String::as_str);
@@ -81,14 +83,13 @@ pub fn unused_settings(
             let mut with = scene.clone();
             with.set_field(name, other).ok()?;
             with.drop_foreign_parameters(library).ok()?;
-            (with != *scene && with.check(library).is_ok()).then_some(with)
+            if with == *scene { None } else { Variant::of(&with, library).ok() }
         };
         let all = others(library, setting, values.get(name).map_or("", String::as_str));
-        let others: Vec<Scene> = all.iter().filter_map(with).collect();
-        let changes_nothing = |other: &Scene| {
-            let same_program =
-                Variant::of(other, library).is_ok_and(|of| of.key() == variant.key() && of.entries == variant.entries);
-            same_program && comparer.same_picture(scene, own, other)
+        let others: Vec<Variant> = all.iter().filter_map(with).collect();
+        let changes_nothing = |other: &Variant| {
+            let same_program = other.slots == variant.slots && other.entries == variant.entries;
+            same_program && comparer.same_picture(&variant, own, other)
         };
         // Without a valid alternative, a module is unused if the program does not reach its slot; other settings are
         // used.
@@ -106,7 +107,8 @@ pub fn unused_settings(
 /// Whether scenes of one subject all have equal pictures.
 pub fn same_pictures(library: &Library, subject: &Subject, mut scenes: impl Iterator<Item = Scene>) -> bool {
     let mut comparer = PictureComparer::new(library, subject);
-    let first = scenes.next().and_then(|first| Some((comparer.fingerprint(&first).ok()?, first)));
+    let first = scenes.next().and_then(|first| Variant::of(&first, library).ok());
+    let first = first.and_then(|first| Some((comparer.fingerprint(&first).ok()?, first)));
     first.is_some_and(|(own, first)| scenes.all(|other| comparer.same_picture(&first, own, &other)))
 }
 
@@ -152,17 +154,16 @@ impl<'a> PictureComparer<'a> {
     }
 
     /// Whether another scene has an equal picture; `own` is the fingerprint of the first. Undecidable pictures differ.
-    fn same_picture(&mut self, scene: &Scene, own: Hash, other: &Scene) -> bool {
-        let same = self.same_subject(scene, other).and_then(|same| Ok(same && self.fingerprint(other)? == own));
+    fn same_picture(&mut self, variant: &Variant, own: Hash, other: &impl Checkable) -> bool {
+        let Ok(other) = other.checked(self.library) else { return false };
+        let same = self.same_subject(variant, &other).and_then(|same| Ok(same && self.fingerprint(&other)? == own));
         same.unwrap_or(false)
     }
 
     /// Whether two scenes have equal objects.
-    fn same_subject(&mut self, scene: &Scene, other: &Scene) -> Result<bool, RenderError> {
-        let wanted = |scene| Ok::<_, RenderError>(SubjectRequest::all(scene, &Variant::of(scene, self.library)?));
-        let (own, others) = (wanted(scene)?, wanted(other)?);
-        let mut same = scene.parts.keys().eq(other.parts.keys());
-        for (own, other) in own.iter().zip(&others) {
+    fn same_subject(&mut self, variant: &Variant, other: &Variant) -> Result<bool, RenderError> {
+        let mut same = variant.parts.keys().eq(other.parts.keys());
+        for (own, other) in SubjectRequest::all(variant).iter().zip(&SubjectRequest::all(other)) {
             same = same && self.same_object(own, other)?;
         }
         Ok(same)
@@ -197,24 +198,23 @@ impl<'a> PictureComparer<'a> {
     }
 
     /// Hash of all that the pictures of a scene are computed from.
-    fn fingerprint(&mut self, scene: &Scene) -> Result<Hash, RenderError> {
-        let mut variant = Variant::of(scene, self.library)?;
-        let mut scene = scene.clone();
+    fn fingerprint(&mut self, variant: &Variant) -> Result<Hash, RenderError> {
+        let mut variant = variant.clone();
         if variant.module("classify").is_some_and(|module| module.starts_with("surface")) {
             // Of opaque matter only the nearest sample is seen, in any order.
-            (scene.quality.order, scene.quality.early_termination) = (Order::default(), 0.0);
+            (variant.scene.quality.order, variant.scene.quality.early_termination) = (Order::default(), 0.0);
         }
-        let scene = &scene;
-        let mut read = self.read(scene, &variant)?;
+        let mut read = self.read(&variant)?;
         // The border mode only matters for blocks and for noise with a period.
-        if !read.program.reads("block_sampler")
+        if !read.program.reads(bindings::BLOCK_SAMPLER)
             && variant.periods.iter().all(|period| *period == Period::ENDLESS)
             && let Some(wrap) = variant.slots.get_mut("wrap")
         {
             *wrap = vec!["repeat".into()];
-            read = self.read(scene, &variant)?;
+            read = self.read(&variant)?;
         }
-        let frame = FrameContext::with_variant(scene, self.subject, variant.clone());
+        let frame = FrameContext::of(variant, self.subject);
+        let (variant, scene) = (&frame.variant, &frame.variant.scene);
         let stored = StoredObjects::none(&frame.view);
         let values = |sub_frame: SubFrame| stored.values(&frame, &sub_frame);
         let moments: Vec<_> = SubFrame::all(scene).map(values).collect();
@@ -232,32 +232,29 @@ impl<'a> PictureComparer<'a> {
                 add(format!("{early_termination}"));
             }
             for values in &moments {
-                add(format!("{:?}", VERTEX_VALUES.map(|name| values.get(name))));
+                add(format!("{:?}", VERTEX_VALUES.map(|name| values.named.get(name))));
             }
         }
         let mut programs = vec![(read.clone(), false)];
-        if read.program.reads(SHADOW) {
-            programs.push((self.read(scene, &variant.shadow(scene, self.library)?)?, true));
+        if read.program.reads(bindings::SHADOW) {
+            programs.push((self.read(&variant.for_purpose(Purpose::Shadow, self.library)?)?, true));
         }
         if scene.is_half_angle() {
-            programs.push((self.read(scene, &variant.light(scene, self.library)?)?, false));
+            programs.push((self.read(&variant.for_purpose(Purpose::Light, self.library)?)?, false));
         }
         if programs.len() > 1 {
             add(format!("{:?}", frame.space.target()));
         }
         for (read, casts) in programs {
-            let names: HashMap<u32, &str> =
-                read.program.resources.iter().map(|resource| (resource.binding, resource.name.as_str())).collect();
+            let resources = &read.program.resources;
+            let names: HashMap<u32, &str> = resources.iter().map(|own| (own.binding, own.name.as_str())).collect();
             let name = |binding: u32| names.get(&binding).copied().unwrap_or_default();
             let pairs = match &read.fingerprint {
                 Some((_, fingerprint)) => fingerprint.images.clone(),
-                None => {
-                    read.program.resources.iter().map(|resource| (resource.binding, Some(resource.binding))).collect()
-                }
+                None => resources.iter().map(|own| (own.binding, Some(own.binding))).collect(),
             };
-            for (image, sampler) in
-                pairs.into_iter().filter(|(image, _)| name(*image).contains("_image") && name(*image) != CELLS)
-            {
+            let is_input = |image: u32| name(image).contains("_image") && name(image) != bindings::CELLS;
+            for (image, sampler) in pairs.into_iter().filter(|(image, _)| is_input(*image)) {
                 let key = image_key(&frame, name(image));
                 add(format!("{} {key}", name(image)));
                 if let Some(sampler) = sampler {
@@ -266,14 +263,10 @@ impl<'a> PictureComparer<'a> {
             }
             let mut before = String::new();
             for values in &moments {
-                let blocks = blocks(&read.program, values)?.into_iter();
-                let blocks = blocks.map(|(resource, bytes)| (resource.binding, bytes)).collect();
-                let known = read
-                    .fingerprint
-                    .as_ref()
-                    .map(|(program, fingerprint)| (fingerprint, program.values(fingerprint, &blocks)));
+                let blocks = blocks(&read.program, values)?;
+                let known = read.fingerprint.as_ref().map(|(program, own)| (own.hash, program.values(own, &blocks)));
                 let drawn = match known {
-                    Some((fingerprint, Ok(values))) => format!("{} {values:?}", fingerprint.hash),
+                    Some((hash, Ok(values))) => format!("{hash} {values:?}"),
                     _ => format!("{:?} {} {blocks:?}", read.program.fragment, scene.effect.octaves),
                 };
                 // Shadows are cast once for a resting scene, else for each sub-frame whose values differ from the
@@ -290,8 +283,8 @@ impl<'a> PictureComparer<'a> {
         Ok(all.finalize())
     }
 
-    fn read(&mut self, scene: &Scene, variant: &Variant) -> Result<Rc<Read>, RenderError> {
-        let octaves = scene.effect.octaves;
+    fn read(&mut self, variant: &Variant) -> Result<Rc<Read>, RenderError> {
+        let octaves = variant.scene.effect.octaves;
         let key = (format!("{:?} {}", variant.entries, variant.key()), octaves);
         if let Some(known) = self.programs.get(&key) {
             return Ok(known.clone());

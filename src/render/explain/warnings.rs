@@ -2,9 +2,8 @@
 
 use crate::render::measurements::Measurements;
 use crate::render::subject::Subject;
-use crate::render::variant::{Variant, VariantError};
+use crate::render::variant::Variant;
 use crate::scene::{Pass, Scene, TargetFormat};
-use crate::shader::Library;
 use crate::shape::{self, Shape, Solid};
 
 /// Invisible opacity: half a code of 8 bits.
@@ -15,16 +14,8 @@ const CORE: f32 = 0.75;
 const TERRACE: f32 = 0.016;
 
 /// Warnings on a picture, one line each.
-///
-/// # Errors
-/// The scene has no program.
-pub fn warnings(
-    m: &Measurements,
-    scene: &Scene,
-    subject: &Subject,
-    library: &Library,
-) -> Result<Vec<String>, VariantError> {
-    let variant = Variant::of(scene, library)?;
+pub fn warnings(m: &Measurements, variant: &Variant, subject: &Subject) -> Vec<String> {
+    let scene = &variant.scene;
     let is_soft = variant.slots.get("softness").is_some_and(|names| names.iter().all(|name| name != "hard"));
     let outer = variant.parameters.outer_iso().unwrap_or(scene.object.outer_iso);
     let all = [
@@ -36,7 +27,7 @@ pub fn warnings(
         guessed_sign(scene, subject),
         proposed_iso(subject),
     ];
-    Ok(all.into_iter().flatten().collect())
+    all.into_iter().flatten().collect()
 }
 
 /// The soft region has no width.

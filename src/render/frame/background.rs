@@ -6,7 +6,6 @@ use crate::gpu::Gpu;
 use crate::render::camera::FrameContext;
 use crate::render::error::RenderError;
 use crate::render::variant::Variant;
-use crate::scene::Scene;
 use crate::shader::Library;
 use std::thread::{self, JoinHandle};
 
@@ -38,11 +37,11 @@ impl BackgroundPrepare {
     }
 
     /// Whether the result serves a scene, of any size.
-    pub(crate) fn serves(&self, scene: &Scene, variant: &Variant, destination: Destination) -> bool {
-        let mut alike = scene.clone();
-        alike.image.size = self.frame.scene.image.size;
-        alike.camera = self.frame.scene.camera.clone();
-        self.destination.serves(destination) && (&alike, variant) == (&self.frame.scene, &self.frame.variant)
+    pub(crate) fn serves(&self, variant: &Variant, destination: Destination) -> bool {
+        let (mut alike, own) = (variant.clone(), &self.frame.variant);
+        alike.scene.image.size = own.scene.image.size;
+        alike.scene.camera = own.scene.camera.clone();
+        self.destination.serves(destination) && alike == *own
     }
 
     /// Waits for the result.

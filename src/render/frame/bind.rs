@@ -4,8 +4,8 @@ use crate::gpu::{self, Buffer, BufferUse, Gpu, Image, Sampler, Uploads};
 use crate::render::camera::{FrameContext, SubFrame};
 use crate::render::cells::{self, BackgroundCells, CellStats, EmptyCells, Tiles};
 use crate::render::error::RenderError;
-use crate::render::inputs::{CELLS, Encoded, Filter, ImageInfo, Inputs, Sparse, StoredObjects, Values, blocks};
-use crate::render::variant::{OCTAVES_ID, Program, Resource, Use};
+use crate::render::inputs::{Encoded, Filter, ImageInfo, Inputs, Sparse, StoredObjects, Values, blocks};
+use crate::render::variant::{Blocks, OCTAVES_ID, Program, Resource, Use, bindings};
 use crate::scene::Scene;
 use crate::shader::Library;
 use std::sync::Arc;
@@ -54,7 +54,7 @@ impl BoundInputs {
         let sampler = |(binding, filter): &(u32, Filter)| {
             Ok((*binding, Arc::new(Sampler::new(gpu, filter.address, filter.anisotropy)?)))
         };
-        let cells = (is_cut || program.reads(CELLS)).then(|| EmptyCells::new(library));
+        let cells = (is_cut || program.reads(bindings::CELLS)).then(|| EmptyCells::new(library));
         Ok(BoundInputs {
             blocks: Vec::new(),
             images: inputs.images.iter().map(upload).collect::<Result<_, RenderError>>()?,
@@ -62,11 +62,11 @@ impl BoundInputs {
             sparse: inputs.sparse,
             holds_parameters: inputs.holds_parameters,
             stored: inputs.stored().clone(),
-            full_cell: program.reads(CELLS).then(|| cells::image(gpu, &uploads, 1, &[0])).transpose()?,
+            full_cell: program.reads(bindings::CELLS).then(|| cells::image(gpu, &uploads, 1, &[0])).transpose()?,
             uploads,
             cells,
             background_cells: BackgroundCells::new(library),
-            values: Values::new(),
+            values: Values::default(),
         })
     }
 
@@ -111,7 +111,7 @@ impl BoundInputs {
     /// Binds the cells of a picture, or the single non-empty one.
     fn set_cells(&mut self, program: &Program, own: Option<Arc<Image>>) {
         if let Some(image) = own.or_else(|| self.full_cell.clone()) {
-            self.replace(program, CELLS, image);
+            self.replace(program, bindings::CELLS, image);
         }
     }
 
@@ -160,20 +160,20 @@ impl BoundInputs {
 
     /// Binds an image that is rendered with the picture in place of the previous one.
     pub(crate) fn replace(&mut self, program: &Program, name: &str, image: Arc<Image>) {
-        if let Some(found) = program.resources.iter().find(|resource| resource.name == name) {
-            self.images.retain(|(binding, _)| *binding != found.binding);
-            self.images.push((found.binding, image));
+        if let Some(binding) = program.binding(name) {
+            self.images.retain(|(other, _)| *other != binding);
+            self.images.push((binding, image));
         }
     }
 
     /// Latest blocks of another program, which must not read further values.
-    pub(crate) fn blocks_of(&self, program: &Program) -> Result<Vec<(Resource, Vec<u8>)>, RenderError> {
+    pub(crate) fn blocks_of(&self, program: &Program) -> Result<Blocks, RenderError> {
         blocks(program, &self.values)
     }
 
     /// Images that determine the results of another program. Cells do not: they only skip empty space.
     pub(crate) fn images_of(&self, program: &Program) -> Vec<Arc<Image>> {
-        let decides = |own: &Resource, number: u32| own.binding == number && own.name != CELLS;
+        let decides = |own: &Resource, number: u32| own.binding == number && own.name != bindings::CELLS;
         let is_read = |(number, _): &&(u32, _)| program.resources.iter().any(|own| decides(own, *number));
         self.images.iter().filter(is_read).map(|(_, image)| image.clone()).collect()
     }
@@ -203,16 +203,14 @@ impl BoundInputs {
 }
 
 /// Uploads filled blocks, by binding.
-pub(crate) fn buffers(gpu: &Gpu, blocks: &[(Resource, Vec<u8>)]) -> Result<Vec<(u32, Arc<Buffer>)>, RenderError> {
-    let buffer = |(resource, bytes): &(Resource, Vec<u8>)| {
-        Ok((resource.binding, Arc::new(Buffer::new(gpu, &resource.name, BufferUse::Uniform, bytes)?)))
-    };
-    blocks.iter().map(buffer).collect()
+pub(crate) fn buffers(gpu: &Gpu, blocks: &Blocks) -> Result<Vec<(u32, Arc<Buffer>)>, RenderError> {
+    let buffer = |bytes| Buffer::new(gpu, "uniforms", BufferUse::Uniform, bytes);
+    blocks.iter().map(|(binding, bytes)| Ok((*binding, Arc::new(buffer(bytes)?)))).collect()
 }
 
 /// Description of the image of a binding.
 fn image_of(program: &Program, images: &[(u32, Arc<Image>)], name: &str) -> Option<ImageInfo> {
-    let binding = program.resources.iter().find(|resource| resource.name == name)?.binding;
+    let binding = program.binding(name)?;
     images.iter().find(|(own, _)| *own == binding).map(|(_, image)| read(image))
 }
 

@@ -9,7 +9,7 @@ use super::{bind, pass};
 use crate::gpu::{self, Area, BindSet, Dimension, Format, Gpu, Image, ImageUse, Pipeline, Target};
 use crate::render::camera::FrameContext;
 use crate::render::error::RenderError;
-use crate::render::variant::{Program, Variant, VariantError};
+use crate::render::variant::{Program, Purpose, Variant};
 use crate::scene::{Pass, RayPath, Scene};
 use crate::shader::{Library, Linker};
 use std::sync::Arc;
@@ -27,14 +27,14 @@ pub(crate) struct Depth {
 /// # Errors
 /// [`RenderError::Depth`]; or the scene has more samples than rays may take.
 pub fn check_depth(scene: &Scene, library: &Library) -> Result<(), RenderError> {
-    scene_by_rays(scene, library).map(drop)
+    by_rays(scene, library).map(drop)
 }
 
 /// The scene with one straight ray for each pixel.
 ///
 /// # Errors
 /// As [`check_depth`].
-pub(crate) fn scene_by_rays(scene: &Scene, library: &Library) -> Result<Scene, RenderError> {
+pub(crate) fn by_rays(scene: &Scene, library: &Library) -> Result<Variant, RenderError> {
     if scene.effect.ray_path == RayPath::Refracted {
         return Err(RenderError::Depth("effect.ray_path = \"straight\""));
     }
@@ -44,8 +44,7 @@ pub(crate) fn scene_by_rays(scene: &Scene, library: &Library) -> Result<Scene, R
     let mut scene = scene.clone();
     (scene.quality.pass, scene.quality.msaa, scene.quality.supersampling) = (Pass::March, 1, 1);
     scene.light.shadows = false;
-    scene.check(library).map_err(VariantError::from)?; // slices may have more samples
-    Ok(scene)
+    Ok(Variant::of(&scene, library)?) // slices may have more samples
 }
 
 impl Depth {
@@ -53,17 +52,17 @@ impl Depth {
     pub(crate) fn new(
         gpu: &Gpu,
         library: &Library,
-        scene: &Scene,
         variant: &Variant,
         made: Option<Depth>,
     ) -> Result<Depth, RenderError> {
-        let scene = scene_by_rays(scene, library)?;
-        let program = variant.depth(&scene, library)?.program(library, Linker::new)?;
+        let scene = by_rays(&variant.scene, library)?.scene;
+        let variant = Variant { scene, ..variant.clone() };
+        let program = variant.for_purpose(Purpose::Depth, library)?.program(library, Linker::new)?;
         if let Some(made) = made.filter(|made| made.program == program) {
             return Ok(made);
         }
         let how = (gpu::Blend::Replace, gpu::Marks::None);
-        let pipeline = bind::pipeline(gpu, &program, &scene, &[], Format::R32Float, 1, how)?;
+        let pipeline = bind::pipeline(gpu, &program, &variant.scene, &[], Format::R32Float, 1, how)?;
         Ok(Depth { program, pipeline: Arc::new(pipeline), budget: SubmissionBudget::default() })
     }
 
@@ -81,7 +80,7 @@ impl Depth {
         bound: &BoundInputs,
         stop: &dyn Fn(f64) -> bool,
     ) -> Result<Vec<f32>, RenderError> {
-        let [width, height] = frame.scene.image.size;
+        let [width, height] = frame.variant.scene.image.size;
         let plane = Dimension::Plane(width, height);
         let image = Image::new(gpu, "depth", plane, Format::R32Float, ImageUse::Target(1))?;
         let (set, all) = (self.bind(gpu, bound)?, [Area::whole([width, height])]);

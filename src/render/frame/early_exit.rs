@@ -8,15 +8,13 @@ use super::bind::BoundInputs;
 use super::{bind, pass};
 use crate::gpu::{self, Dimension, Format, Gpu, Image, ImageUse, Pipeline, Resource};
 use crate::render::error::RenderError;
-use crate::render::variant::{Program, Variant};
+use crate::render::variant::{Program, Variant, bindings};
 use crate::scene::{Order, Pass, Scene};
 use crate::shader::{Library, Linker};
 use std::sync::Arc;
 
 /// Fragment stage of the mask.
 const ENTRY: &str = "mark.frag";
-/// Binding of the target.
-const TARGET: &str = "target_image";
 /// Batches of the slices of a picture. Lower: hidden matter is drawn longer. Higher: the masking passes cost more than
 /// they save.
 const BATCHES: u32 = 16;
@@ -38,15 +36,10 @@ impl OpaqueMask {
         quality.pass == pass && quality.order == order && quality.msaa == 1 && ends
     }
 
-    pub(crate) fn new(
-        gpu: &Gpu,
-        library: &Library,
-        scene: &Scene,
-        variant: &Variant,
-    ) -> Result<OpaqueMask, RenderError> {
+    pub(crate) fn new(gpu: &Gpu, library: &Library, variant: &Variant) -> Result<OpaqueMask, RenderError> {
+        let (scene, how) = (&variant.scene, (gpu::Blend::Replace, gpu::Marks::Write));
         let program = variant.table(ENTRY, library)?.program(library, Linker::new)?;
-        let pipeline =
-            bind::pipeline(gpu, &program, scene, &[], Format::Depth16, 1, (gpu::Blend::Replace, gpu::Marks::Write))?;
+        let pipeline = bind::pipeline(gpu, &program, scene, &[], Format::Depth16, 1, how)?;
         Ok(OpaqueMask { program, pipeline, image: image(gpu, scene)? })
     }
 
@@ -64,9 +57,9 @@ impl OpaqueMask {
         target: &Arc<Image>,
         slices: u32,
     ) -> Result<pass::BetweenSlices<'a>, RenderError> {
-        let found = self.program.resources.iter().find(|resource| resource.name == TARGET);
         let mut resources = bound.with(&bind::buffers(gpu, &bound.blocks_of(&self.program)?)?);
-        resources.extend(found.map(|resource| (resource.binding, Resource::Image(target.clone()))));
+        resources
+            .extend(self.program.binding(bindings::TARGET).map(|binding| (binding, Resource::Image(target.clone()))));
         let (pipeline, image, set) = (&self.pipeline, &self.image, self.pipeline.bind(&resources)?);
         Ok(pass::BetweenSlices::Marks { pipeline, set, image, every: slices.div_ceil(BATCHES).max(1) })
     }

@@ -13,8 +13,7 @@ use crate::gpu::{self, Blend, Buffer, BufferUse, Dimension, Format, Gpu, Image, 
 use crate::render::camera::{FLATTEST, FrameContext, View, axis, slant};
 use crate::render::cells::Tiles;
 use crate::render::error::RenderError;
-use crate::render::inputs::{BEFORE, BEHIND};
-use crate::render::variant::{Program, Variant};
+use crate::render::variant::{Program, Purpose, Variant, bindings};
 use crate::scene::Scene;
 use crate::shader::{Library, Linker};
 use glam::Vec3;
@@ -69,11 +68,11 @@ impl HalfAngle {
     pub(crate) fn new(
         gpu: &Gpu,
         library: &Library,
-        scene: &Scene,
         variant: &Variant,
         made: Option<HalfAngle>,
     ) -> Result<HalfAngle, RenderError> {
-        let program = variant.light(scene, library)?.program(library, Linker::new)?;
+        let scene = &variant.scene;
+        let program = variant.for_purpose(Purpose::Light, library)?.program(library, Linker::new)?;
         let pipeline = match made.filter(|made| made.program == program) {
             Some(made) => made.pipeline,
             None => {
@@ -106,7 +105,7 @@ impl HalfAngle {
     ) -> Result<pass::PassTiming, RenderError> {
         let Slices { pipeline, program, bound, vertices, stack } = *slices;
         let planes = &frame.planes;
-        check(&frame.scene, &frame.view)?;
+        check(&frame.variant.scene, &frame.view)?;
         let corners = (0..planes.count).flat_map(|plane| {
             let depth = planes.depth(plane);
             [[-1.0, -1.0, depth], [3.0, -1.0, depth], [-1.0, 3.0, depth]]
@@ -116,12 +115,11 @@ impl HalfAngle {
         let blocks = bind::buffers(gpu, &bound.blocks_of(&self.program)?)?;
         // The buffers alternate: one before a slice, one behind it.
         let buffers = |program: &Program, before: usize| {
-            let found = program.resources.iter().filter_map(|resource| match resource.name.as_str() {
-                BEFORE => Some((resource.binding, gpu::Resource::Image(self.buffers[before].clone()))),
-                BEHIND => Some((resource.binding, gpu::Resource::Image(self.buffers[1 - before].clone()))),
-                _ => None,
-            });
-            found.collect::<Vec<_>>()
+            let both = [(bindings::LIGHT_BEFORE, before), (bindings::LIGHT_BEHIND, 1 - before)];
+            let image = |index: usize| gpu::Resource::Image(self.buffers[index].clone());
+            both.into_iter()
+                .filter_map(|(name, index)| Some((program.binding(name)?, image(index))))
+                .collect::<Vec<_>>()
         };
         let of_light = |before| self.pipeline.bind(&[bound.with(&blocks), buffers(&self.program, before)].concat());
         let of_eye = |before| pipeline.bind(&[bound.resources(), buffers(program, before)].concat());

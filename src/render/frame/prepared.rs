@@ -13,10 +13,10 @@ use crate::field::Progress;
 use crate::gpu::{self, Buffer, Gpu, HostCommands, Recording};
 use crate::render::camera::{FrameContext, SubFrame};
 use crate::render::error::RenderError;
-use crate::render::inputs::{Inputs, SHADOW};
+use crate::render::inputs::Inputs;
 use crate::render::measurements::{Frame, Measurements};
 use crate::render::subject::Subject;
-use crate::render::variant::{Program, Variant};
+use crate::render::variant::{Program, Variant, bindings};
 use crate::scene::schema::Changes;
 use crate::scene::{Pass, Scene};
 use crate::shader::slots::FOLDED;
@@ -57,8 +57,7 @@ type Shape = (u32, &'static [u32], gpu::Format, u32, gpu::Blend, gpu::Marks);
 /// A scene with program, pipelines, images and targets.
 pub(crate) struct Prepared {
     gpu: Gpu,
-    scene: Scene,
-    /// Variant of its program, which may serve others.
+    /// The scene with the modules of its program, which may serve others.
     variant: Variant,
     destination: Destination,
     pub(crate) program: Program,
@@ -88,7 +87,7 @@ impl Prepared {
         reusable: Reusable,
         progress: Progress<'_>,
     ) -> Result<Prepared, RenderError> {
-        let (start, scene) = (Instant::now(), &frame.scene);
+        let (start, scene) = (Instant::now(), &frame.variant.scene);
         let (program, slots) = match reusable.program {
             Some(made) => made,
             None => (frame.variant.program(library, Linker::new)?, frame.variant.slots.clone()),
@@ -109,7 +108,7 @@ impl Prepared {
         let pipeline_start = Instant::now();
         let attributes = if quality.pass == Pass::Slices { pass::attributes(quality.proxy) } else { &[] };
         let ends_early = destination == Destination::Frame && OpaqueMask::serve(scene);
-        let marks = ends_early.then(|| OpaqueMask::new(gpu, library, scene, &variant)).transpose()?;
+        let marks = ends_early.then(|| OpaqueMask::new(gpu, library, &variant)).transpose()?;
         let heeds = if marks.is_some() { gpu::Marks::Test } else { gpu::Marks::None };
         let shape = (scene.effect.octaves, attributes, format, quality.msaa, blend, heeds);
         let (picture, caster, half_angle, mut depth, budget) =
@@ -122,10 +121,10 @@ impl Prepared {
                 }
             };
         let caster =
-            program.reads(SHADOW).then(|| ShadowCaster::new(gpu, library, scene, &variant, caster)).transpose()?;
-        let half_angle = scene.is_half_angle().then(|| HalfAngle::new(gpu, library, scene, &variant, half_angle));
+            program.reads(bindings::SHADOW).then(|| ShadowCaster::new(gpu, library, &variant, caster)).transpose()?;
+        let half_angle = scene.is_half_angle().then(|| HalfAngle::new(gpu, library, &variant, half_angle));
         if let Destination::Host { has_depth: true, .. } = destination {
-            depth = Some(Depth::new(gpu, library, scene, &variant, depth)?);
+            depth = Some(Depth::new(gpu, library, &variant, depth)?);
         }
         let pipelines = Pipelines { shape, picture, caster, half_angle: half_angle.transpose()?, depth, budget };
         compile_ms += pipeline_start.elapsed().as_secs_f64() * 1e3;
@@ -133,35 +132,23 @@ impl Prepared {
             Destination::Host { .. } => None,
             Destination::Frame => Some(targets(gpu, scene, format)?),
         };
-        let (gpu, scene) = (gpu.clone(), scene.clone());
-        Ok(Prepared {
-            gpu,
-            scene,
-            variant,
-            destination,
-            program,
-            bound,
-            pipelines,
-            targets,
-            marks,
-            compile_ms,
-            whole: frame.whole,
-        })
+        let (gpu, whole) = (gpu.clone(), frame.whole);
+        Ok(Prepared { gpu, variant, destination, program, bound, pipelines, targets, marks, compile_ms, whole })
     }
 
     /// Whether this serves another scene: one that differs only in per-picture values or in size.
-    pub(crate) fn fits(&self, scene: &Scene, variant: &Variant, destination: Destination) -> bool {
-        let mut alike = scene.clone();
-        alike.image.size = self.scene.image.size;
+    pub(crate) fn fits(&self, variant: &Variant, destination: Destination) -> bool {
+        let mut alike = variant.scene.clone();
+        alike.image.size = self.variant.scene.image.size;
         self.destination.serves(destination)
-            && !alike.changes(&self.scene).contains(&Changes::Targets)
-            && self.has_same_inputs(scene, variant)
+            && !alike.changes(&self.variant.scene).contains(&Changes::Targets)
+            && self.has_same_inputs(variant)
     }
 
     /// Resizes the targets to those of a scene that fits.
     pub(crate) fn resize(&mut self, scene: &Scene) -> Result<(), RenderError> {
-        if self.scene.image.size != scene.image.size {
-            self.scene.image.size = scene.image.size;
+        if self.variant.scene.image.size != scene.image.size {
+            self.variant.scene.image.size = scene.image.size;
             if let Some((color, _)) = &self.targets {
                 self.targets = Some(targets(&self.gpu, scene, color.format())?);
             }
@@ -171,8 +158,8 @@ impl Prepared {
     }
 
     /// Parts for another scene that the program serves.
-    pub(crate) fn into_reusable(self, scene: &Scene, variant: &Variant) -> Reusable {
-        let has_same_inputs = self.has_same_inputs(scene, variant);
+    pub(crate) fn into_reusable(self, variant: &Variant) -> Reusable {
+        let has_same_inputs = self.has_same_inputs(variant);
         Reusable {
             program: Some((self.program, self.variant.slots)),
             bound: has_same_inputs.then_some(self.bound),
@@ -188,17 +175,18 @@ impl Prepared {
 
     /// Whether another scene has the same program and images: one that differs only in camera, time, parameters,
     /// samples and targets, with matter of equal reach.
-    pub(crate) fn has_same_inputs(&self, scene: &Scene, variant: &Variant) -> bool {
+    pub(crate) fn has_same_inputs(&self, variant: &Variant) -> bool {
+        let (scene, own) = (&variant.scene, &self.variant.scene);
         // Some images depend on the step.
-        let by_step = ["segment_image", "brick_image"].iter().any(|name| self.program.reads(name));
+        let by_step = [bindings::SEGMENT, bindings::BRICKS].iter().any(|name| self.program.reads(name));
         let reach = |variant: &Variant| {
             let all = [&variant.parameters].into_iter().chain(variant.parts.values());
             all.map(|parameters| (parameters.outer_iso(), parameters.spread(1.0))).collect::<Vec<_>>()
         };
-        let changes = scene.changes(&self.scene);
+        let changes = scene.changes(own);
         let same_settings = !changes.contains(&Changes::Field) && !changes.contains(&Changes::Images);
-        let same_step = !by_step || scene.quality.samples == self.scene.quality.samples;
-        let same_tables = !self.bound.holds_parameters || scene.parameters == self.scene.parameters;
+        let same_step = !by_step || scene.quality.samples == own.quality.samples;
+        let same_tables = !self.bound.holds_parameters || scene.parameters == own.parameters;
         same_settings && same_step && same_tables && self.serves(variant) && reach(variant) == reach(&self.variant)
     }
 
@@ -214,14 +202,14 @@ impl Prepared {
 
     /// Context of a picture, with the slots of this program: its cells and tables serve the next picture, in which a zero
     /// may have changed.
-    fn context(&self, scene: &Scene, subject: &Subject, variant: &Variant) -> FrameContext {
+    fn context(&self, variant: &Variant, subject: &Subject) -> FrameContext {
         let variant = Variant { slots: self.variant.slots.clone(), ..variant.clone() };
-        FrameContext { whole: self.whole, ..FrameContext::with_variant(scene, subject, variant) }
+        FrameContext { whole: self.whole, ..FrameContext::of(variant, subject) }
     }
 
     /// Slices of a picture; `None` for rays.
     fn slices(&self, frame: &FrameContext) -> Result<Option<(Buffer, pass::Stack)>, RenderError> {
-        let (quality, view, planes) = (&frame.scene.quality, &frame.view, &frame.planes);
+        let (quality, view, planes) = (&frame.variant.scene.quality, &frame.view, &frame.planes);
         if quality.pass == Pass::March {
             return Ok(None);
         }
@@ -242,7 +230,7 @@ impl Prepared {
     fn cast(&mut self, frame: &FrameContext, stop: &dyn Fn(f64) -> bool) -> Result<Option<[f64; 2]>, RenderError> {
         let Some(caster) = &mut self.pipelines.caster else { return Ok(None) };
         let ShadowVolume { image, gpu_ms, is_kept, .. } = caster.volume(&self.gpu, frame, &self.bound, stop)?;
-        self.bound.replace(&self.program, SHADOW, image);
+        self.bound.replace(&self.program, bindings::SHADOW, image);
         Ok(Some(if is_kept { [0.0, gpu_ms] } else { [gpu_ms, 0.0] }))
     }
 
@@ -250,12 +238,11 @@ impl Prepared {
     pub(crate) fn record(
         &mut self,
         commands: &mut HostCommands<'_>,
-        scene: &Scene,
-        subject: &Subject,
         variant: &Variant,
+        subject: &Subject,
     ) -> Result<Recording, RenderError> {
-        let frame = self.context(scene, subject, variant);
-        let mut all = SubFrame::all(scene);
+        let frame = self.context(variant, subject);
+        let mut all = SubFrame::all(&variant.scene);
         let (Some(sub_frame), None) = (all.next(), all.next()) else {
             return Err(RenderError::Recorded("quality.supersampling = 1"));
         };
@@ -279,14 +266,13 @@ impl Prepared {
     pub(crate) fn depth(
         &mut self,
         library: &Library,
-        scene: &Scene,
-        subject: &Subject,
         variant: &Variant,
+        subject: &Subject,
         stop: &dyn Fn(f64) -> bool,
     ) -> Result<Vec<f32>, RenderError> {
-        let frame = self.context(scene, subject, variant);
-        let depth = Depth::new(&self.gpu, library, scene, &frame.variant, self.pipelines.depth.take())?;
-        for sub_frame in SubFrame::all(scene).take(1) {
+        let frame = self.context(variant, subject);
+        let depth = Depth::new(&self.gpu, library, &frame.variant, self.pipelines.depth.take())?;
+        for sub_frame in SubFrame::all(&variant.scene).take(1) {
             self.bound.fill(&self.gpu, &self.program, &frame, &sub_frame, &|| stop(0.0))?;
         }
         self.pipelines.depth.insert(depth).draw(&self.gpu, &frame, &self.bound, stop)
@@ -297,14 +283,13 @@ impl Prepared {
     /// milliseconds on the device.
     pub(crate) fn frame(
         &mut self,
-        scene: &Scene,
-        subject: &Subject,
         variant: &Variant,
+        subject: &Subject,
         areas: &[gpu::Area],
         wanted: impl Fn(u32) -> bool,
         stop: &dyn Fn(f64) -> bool,
     ) -> Result<Option<Frame>, RenderError> {
-        let frame = self.context(scene, subject, variant);
+        let (frame, scene) = (self.context(variant, subject), &variant.scene);
         let slices = self.slices(&frame)?;
         let mut pictures = Mean::default();
         let mut drawn = pass::PassTiming { fragments: Some(0), ..Default::default() };

@@ -1,7 +1,7 @@
 //! The renderer: public functions from a scene to its picture.
 
 use super::background::BackgroundPrepare;
-use super::depth::scene_by_rays;
+use super::depth::by_rays;
 use super::destination::Destination;
 use super::pixels::paste_areas;
 use super::prepared::{Prepared, Reusable};
@@ -12,7 +12,7 @@ use crate::render::custom_modules::with_module_cause;
 use crate::render::error::RenderError;
 use crate::render::measurements::Frame;
 use crate::render::subject::Subject;
-use crate::render::variant::Variant;
+use crate::render::variant::{Checkable, Variant};
 use crate::scene::{Order, Scene};
 use crate::shader::{Library, Slots};
 use std::ops::Range;
@@ -28,7 +28,7 @@ use support::watchdog::own_processor_time;
 ///
 /// # Errors
 /// The scene has no valid program, or a Vulkan call fails.
-pub fn render(gpu: &Gpu, library: &Library, scene: &Scene, subject: &Subject) -> Result<Frame, RenderError> {
+pub fn render(gpu: &Gpu, library: &Library, scene: &impl Checkable, subject: &Subject) -> Result<Frame, RenderError> {
     Renderer::new(gpu, library, subject).render(scene)
 }
 
@@ -92,30 +92,30 @@ impl Renderer {
     ///
     /// # Errors
     /// As [`render`].
-    pub fn prepare(&mut self, scene: &Scene, progress: Progress<'_>) -> Result<(), RenderError> {
+    pub fn prepare(&mut self, scene: &impl Checkable, progress: Progress<'_>) -> Result<(), RenderError> {
         let start = Instant::now();
         let variant = self.variant(scene)?;
-        self.prepared(scene, &variant, Destination::Frame, progress)?;
+        self.prepared(&variant, Destination::Frame, progress)?;
         self.prepared_ms += start.elapsed().as_secs_f64() * 1e3;
         Ok(())
     }
 
     /// Whether [`Renderer::prepare`] has nothing to do for a scene.
-    pub fn is_prepared(&self, scene: &Scene) -> bool {
-        self.variant(scene).is_ok_and(|variant| self.serving(scene, &variant).next().is_some())
+    pub fn is_prepared(&self, scene: &impl Checkable) -> bool {
+        self.variant(scene).is_ok_and(|variant| self.serving(&variant).next().is_some())
     }
 
     /// Whether a picture of a scene can be drawn at once, with its prover of empty cells loaded.
-    pub fn is_ready(&self, scene: &Scene) -> bool {
-        let whole = self.whole.unwrap_or(scene.image.size);
+    pub fn is_ready(&self, scene: &impl Checkable) -> bool {
         self.variant(scene).is_ok_and(|variant| {
-            let frame = FrameContext { whole, ..FrameContext::with_variant(scene, &self.subject, variant.clone()) };
-            self.serving(scene, &variant).any(|own| own.bound.is_ready(&self.gpu, &frame))
+            let whole = self.whole.unwrap_or(variant.scene.image.size);
+            let frame = FrameContext { whole, ..FrameContext::of(variant, &self.subject) };
+            self.serving(&frame.variant).any(|own| own.bound.is_ready(&self.gpu, &frame))
         })
     }
 
-    fn serving<'a>(&'a self, scene: &'a Scene, variant: &'a Variant) -> impl Iterator<Item = &'a Prepared> {
-        self.prepared.iter().filter(move |own| own.fits(scene, variant, Destination::Frame))
+    fn serving<'a>(&'a self, variant: &'a Variant) -> impl Iterator<Item = &'a Prepared> {
+        self.prepared.iter().filter(move |own| own.fits(variant, Destination::Frame))
     }
 
     /// Discards cached shadow volumes, so that the next pictures include their time.
@@ -127,9 +127,10 @@ impl Renderer {
     ///
     /// # Errors
     /// As [`render`].
-    pub fn render(&mut self, scene: &Scene) -> Result<Frame, RenderError> {
-        let all = 0..scene.image.size[1];
-        self.render_bands(scene, std::slice::from_ref(&all))
+    pub fn render(&mut self, scene: &impl Checkable) -> Result<Frame, RenderError> {
+        let checked = scene.checked(&self.library)?;
+        let all = 0..checked.scene.image.size[1];
+        self.render_bands(&*checked, std::slice::from_ref(&all))
     }
 
     /// Renders bands of a picture: ranges of rows that neither overlap nor touch. Their pixels have the bits of the
@@ -137,11 +138,12 @@ impl Renderer {
     ///
     /// # Errors
     /// As [`render`].
-    pub fn render_bands(&mut self, scene: &Scene, bands: &[Range<u32>]) -> Result<Frame, RenderError> {
-        let [width, height] = scene.image.size;
+    pub fn render_bands(&mut self, scene: &impl Checkable, bands: &[Range<u32>]) -> Result<Frame, RenderError> {
+        let checked = scene.checked(&self.library)?;
+        let size @ [width, height] = checked.scene.image.size;
         let areas: Vec<Area> = bands.iter().map(|rows| Area { columns: 0..width, rows: rows.clone() }).collect();
-        let mut frame = self.render_areas(scene, &areas, None)?;
-        if areas != [Area::whole(scene.image.size)] {
+        let mut frame = self.render_areas(&*checked, &areas, None)?;
+        if areas != [Area::whole(size)] {
             let mut pixels = vec![[0.0; 4]; width as usize * height as usize];
             paste_areas(&frame.pixels, &areas, width, &mut pixels);
             frame.pixels = pixels;
@@ -158,19 +160,24 @@ impl Renderer {
     ///
     /// # Panics
     /// If the number is not below `quality.supersampling`, or an area is empty or outside the picture.
-    pub fn render_areas(&mut self, scene: &Scene, areas: &[Area], number: Option<u32>) -> Result<Frame, RenderError> {
+    pub fn render_areas(
+        &mut self,
+        scene: &impl Checkable,
+        areas: &[Area],
+        number: Option<u32>,
+    ) -> Result<Frame, RenderError> {
         let (start, before) = (Instant::now(), own_processor_time());
-        let count = scene.quality.supersampling;
-        assert!(number.is_none_or(|number| number < count), "{number:?} of {count}");
         let mut variant = self.variant(scene)?;
+        let count = variant.scene.quality.supersampling;
+        assert!(number.is_none_or(|number| number < count), "{number:?} of {count}");
         let (subject, stop) = (self.subject.clone(), self.stop.clone());
         let wanted = |own: u32| number.is_none_or(|number| number == own);
         let mut frame = loop {
-            let prepared = self.prepared(scene, &variant, Destination::Frame, &|_| ())?;
-            let frame = prepared.frame(scene, &subject, &variant, areas, wanted, &*stop);
-            match frame.map_err(|error| with_module_cause(error, &self.library, scene, &subject))? {
+            let prepared = self.prepared(&variant, Destination::Frame, &|_| ())?;
+            let frame = prepared.frame(&variant, &subject, areas, wanted, &*stop);
+            match frame.map_err(|error| with_module_cause(error, &self.library, &variant, &subject))? {
                 Some(frame) => break frame,
-                None => self.cut_short.push((variant.slots.clone(), scene.quality.samples)),
+                None => self.cut_short.push((variant.slots.clone(), variant.scene.quality.samples)),
             }
             variant = variant.without_two_phase();
         };
@@ -191,10 +198,9 @@ impl Renderer {
     /// As [`render`] and [`check_depth`](crate::render::check_depth).
     pub fn render_depth(&mut self, scene: &Scene) -> Result<Vec<f32>, RenderError> {
         let (library, subject, stop) = (self.library.clone(), self.subject.clone(), self.stop.clone());
-        let scene = scene_by_rays(scene, &library)?;
-        let variant = self.variant(&scene)?;
-        let prepared = self.prepared(&scene, &variant, Destination::Frame, &|_| ())?;
-        prepared.depth(&library, &scene, &subject, &variant, &*stop)
+        let variant = self.variant(&by_rays(scene, &library)?)?;
+        let prepared = self.prepared(&variant, Destination::Frame, &|_| ())?;
+        prepared.depth(&library, &variant, &subject, &*stop)
     }
 
     /// Whether [`Renderer::record`] draws a scene at once in a format. Otherwise starts the preparation on a thread
@@ -217,17 +223,17 @@ impl Renderer {
 
     /// Whether a scene can be recorded at once; starts the preparation otherwise.
     fn prepare_recording(&mut self, scene: &Scene, destination: Destination) -> Result<bool, RenderError> {
-        let (scene, variant) = self.recorded(scene, scene.image.size)?;
+        let variant = self.recorded(scene, scene.image.size)?;
         let is_finished = self.preparing.as_ref().is_some_and(BackgroundPrepare::is_finished);
         if let Some(preparing) = self.preparing.take_if(|_| is_finished) {
-            self.take(preparing, (&scene, &variant, destination))?;
+            self.take(preparing, &variant, destination)?;
         }
-        if self.prepared.iter().any(|own| own.fits(&scene, &variant, destination)) {
+        if self.prepared.iter().any(|own| own.fits(&variant, destination)) {
             return Ok(true);
         }
         if self.preparing.is_none() {
             let made = self.prepared.iter().rev().find(|own| own.serves(&variant)).map(Prepared::share);
-            let frame = FrameContext::with_variant(&scene, &self.subject, variant);
+            let frame = FrameContext::of(variant, &self.subject);
             let (gpu, library) = (self.gpu.clone(), self.library.clone());
             self.preparing = Some(BackgroundPrepare::new(gpu, library, frame, destination, made.unwrap_or_default()));
         }
@@ -251,13 +257,13 @@ impl Renderer {
     /// depth, as [`Renderer::render_depth`].
     pub fn record(&mut self, commands: &mut HostCommands<'_>, scene: &Scene) -> Result<Recording, RenderError> {
         let destination = Destination::Host { format: commands.format(), has_depth: commands.has_depth() };
-        let (scene, variant) = self.recorded(scene, commands.size())?;
-        if let Some(preparing) = self.preparing.take_if(|preparing| preparing.serves(&scene, &variant, destination)) {
-            self.take(preparing, (&scene, &variant, destination))?;
+        let variant = self.recorded(scene, commands.size())?;
+        if let Some(preparing) = self.preparing.take_if(|preparing| preparing.serves(&variant, destination)) {
+            self.take(preparing, &variant, destination)?;
         }
         let subject = self.subject.clone();
-        let prepared = self.prepared(&scene, &variant, destination, &|_| ())?;
-        prepared.record(commands, &scene, &subject, &variant)
+        let prepared = self.prepared(&variant, destination, &|_| ())?;
+        prepared.record(commands, &variant, &subject)
     }
 
     /// Whether the next recorded picture has cells, and the empty share of the latest.
@@ -266,8 +272,8 @@ impl Renderer {
         self.prepared.last().map_or((false, 0.0), |own| own.bound.recorded_cells())
     }
 
-    /// The scene for a recorded image of a size, and its modules.
-    fn recorded(&self, scene: &Scene, size: [u32; 2]) -> Result<(Scene, Variant), RenderError> {
+    /// The scene for a recorded image of a size.
+    fn recorded(&self, scene: &Scene, size: [u32; 2]) -> Result<Variant, RenderError> {
         let mut scene = scene.clone();
         scene.image.size = size;
         scene.quality.order = Order::BackToFront;
@@ -281,16 +287,17 @@ impl Renderer {
         if !scene.may_find_first(&self.library) {
             variant = variant.without_two_phase(); // two-phase artifacts would not be noticed here
         }
-        Ok((scene, variant))
+        Ok(variant)
     }
 
     /// Caches the result of a preparation, waiting for it. An error matters only for the `wanted` scene.
     fn take(
         &mut self,
         preparing: BackgroundPrepare,
-        wanted: (&Scene, &Variant, Destination),
+        wanted: &Variant,
+        destination: Destination,
     ) -> Result<(), RenderError> {
-        let serves = preparing.serves(wanted.0, wanted.1, wanted.2);
+        let serves = preparing.serves(wanted, destination);
         match preparing.join() {
             Ok(made) => {
                 self.prepared.push(made);
@@ -304,38 +311,37 @@ impl Renderer {
     }
 
     /// Modules of a scene: in one phase where the device has cut two-phase rays short.
-    fn variant(&self, scene: &Scene) -> Result<Variant, RenderError> {
-        let variant = Variant::of(scene, &self.library)?;
-        let is_cut =
-            self.cut_short.iter().any(|(slots, samples)| *slots == variant.slots && *samples <= scene.quality.samples);
+    fn variant(&self, scene: &impl Checkable) -> Result<Variant, RenderError> {
+        let variant = scene.checked(&self.library)?.into_owned();
+        let samples = variant.scene.quality.samples;
+        let is_cut = self.cut_short.iter().any(|(slots, cut)| *slots == variant.slots && *cut <= samples);
         Ok(if is_cut { variant.without_two_phase() } else { variant.for_device(self.gpu.info().cpu) })
     }
 
     /// Finds or prepares the cache entry of a scene.
     fn prepared(
         &mut self,
-        scene: &Scene,
         variant: &Variant,
         destination: Destination,
         progress: Progress<'_>,
     ) -> Result<&mut Prepared, RenderError> {
-        let mut prepared = match self.prepared.iter().rposition(|own| own.fits(scene, variant, destination)) {
+        let mut prepared = match self.prepared.iter().rposition(|own| own.fits(variant, destination)) {
             Some(found) => self.prepared.remove(found),
             None => {
                 let running = self.prepared.iter().rposition(|own| own.serves(variant));
                 // The oldest entry is evicted first, and its reusable parts are kept.
                 let oldest = (self.prepared.len() >= self.cache_size).then(|| self.prepared.remove(0));
                 let made = match (running, oldest) {
-                    (Some(0), Some(oldest)) => oldest.into_reusable(scene, variant),
+                    (Some(0), Some(oldest)) => oldest.into_reusable(variant),
                     (Some(found), oldest) => self.prepared[found - usize::from(oldest.is_some())].share(),
                     (None, _) => Reusable::default(),
                 };
-                let frame = FrameContext::with_variant(scene, &self.subject, variant.clone());
+                let frame = FrameContext::of(variant.clone(), &self.subject);
                 Prepared::new(&self.gpu, &self.library, &frame, destination, made, progress)?
             }
         };
-        prepared.resize(scene)?;
-        prepared.whole = self.whole.unwrap_or(scene.image.size);
+        prepared.resize(&variant.scene)?;
+        prepared.whole = self.whole.unwrap_or(variant.scene.image.size);
         self.prepared.push(prepared);
         let last = self.prepared.len() - 1;
         Ok(&mut self.prepared[last])

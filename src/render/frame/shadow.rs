@@ -16,8 +16,7 @@ use crate::render::camera::{FrameContext, LightSpace, SubFrame};
 use crate::render::error::RenderError;
 use crate::render::inputs::Inputs;
 use crate::render::subject::Subject;
-use crate::render::variant::{Program, Variant};
-use crate::scene::Scene;
+use crate::render::variant::{Checkable, Program, Purpose, Variant};
 use crate::shader::{Library, Linker};
 use glam::{Mat4, Vec3};
 use std::collections::BTreeSet;
@@ -70,17 +69,17 @@ impl Transmittance {
 pub fn transmittance(
     gpu: &Gpu,
     library: &Library,
-    scene: &Scene,
+    scene: &impl Checkable,
     subject: &Subject,
 ) -> Result<Transmittance, RenderError> {
-    let frame = FrameContext::new(scene, subject, library)?;
+    let frame = FrameContext::of(scene.checked(library)?.into_owned(), subject);
     let program = frame.variant.program(library, Linker::new)?;
     let inputs = Inputs::new(library, &frame, &program, &|_| ())?;
     let mut bound = BoundInputs::new(gpu, library, &program, &inputs, false, false)?;
-    for sub_frame in SubFrame::all(scene).take(1) {
+    for sub_frame in SubFrame::all(&frame.variant.scene).take(1) {
         bound.fill(gpu, &program, &frame, &sub_frame, &|| false)?;
     }
-    let mut caster = ShadowCaster::new(gpu, library, scene, &frame.variant, None)?;
+    let mut caster = ShadowCaster::new(gpu, library, &frame.variant, None)?;
     let (values, gpu_ms) = caster.cast(gpu, &frame, &bound, |light| light, &|_| false)?;
     Ok(Transmittance { space: frame.space, object_matrix: frame.view.object_matrix, values, gpu_ms })
 }
@@ -115,15 +114,15 @@ impl ShadowCaster {
     pub(crate) fn new(
         gpu: &Gpu,
         library: &Library,
-        scene: &Scene,
         variant: &Variant,
         made: Option<ShadowCaster>,
     ) -> Result<ShadowCaster, RenderError> {
-        let program = variant.shadow(scene, library)?.program(library, Linker::new)?;
+        let program = variant.for_purpose(Purpose::Shadow, library)?.program(library, Linker::new)?;
         if let Some(made) = made.filter(|made| made.program == program) {
             return Ok(made);
         }
-        let pipeline = bind::pipeline(gpu, &program, scene, &[], SEGMENTS, 1, (gpu::Blend::Replace, gpu::Marks::None))?;
+        let how = (gpu::Blend::Replace, gpu::Marks::None);
+        let pipeline = bind::pipeline(gpu, &program, &variant.scene, &[], SEGMENTS, 1, how)?;
         let (read, pipeline) = (program.members_read(), Arc::new(pipeline));
         Ok(ShadowCaster { program, read, pipeline, budget: SubmissionBudget::default(), last: None })
     }
@@ -141,9 +140,7 @@ impl ShadowCaster {
         bound: &BoundInputs,
         stop: &dyn Fn(f64) -> bool,
     ) -> Result<ShadowVolume, RenderError> {
-        let blocks = bound.blocks_of(&self.program)?;
-        let filled = blocks.iter().map(|(resource, bytes)| (resource.binding, bytes.as_slice()));
-        let blocks = self.program.parts_read(&self.read, filled);
+        let blocks = self.program.parts_read(&self.read, &bound.blocks_of(&self.program)?);
         let images = bound.images_of(&self.program);
         let serves = |last: &&ShadowVolume| {
             let same_images =

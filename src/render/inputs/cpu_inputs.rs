@@ -1,21 +1,17 @@
 //! Inputs of a picture for evaluation on the CPU.
 
 use super::encoded::Encoded;
-use super::images::{Inputs, SHADOW};
+use super::images::Inputs;
 use super::uniforms::{Values, blocks};
 use crate::eval;
 use crate::gpu::Address;
 use crate::render::camera::{FrameContext, LightSpace, SubFrame};
 use crate::render::error::RenderError;
 use crate::render::subject::Subject;
-use crate::render::variant::{Program, Variant};
-use crate::scene::Scene;
+use crate::render::variant::{Blocks, Program, Variant, bindings};
 use crate::shader::Library;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-
-/// Uniform blocks of a program, by binding.
-pub type Blocks = BTreeMap<u32, Vec<u8>>;
 
 /// Inputs of a program for every sub-frame of a picture.
 pub struct CpuInputs {
@@ -30,15 +26,14 @@ impl CpuInputs {
     /// Inputs of `program`, which belongs to the scene of `variant`.
     pub fn new(
         library: &Library,
-        scene: &Scene,
-        subject: &Subject,
         variant: &Variant,
+        subject: &Subject,
         program: &Program,
     ) -> Result<CpuInputs, RenderError> {
-        let frame = FrameContext::with_variant(scene, subject, variant.clone());
+        let frame = FrameContext::of(variant.clone(), subject);
         let inputs = Inputs::new(library, &frame, program, &|_| ())?;
         let values = |moment: SubFrame| inputs.stored().values(&frame, &moment);
-        let moments = SubFrame::all(scene).map(values).collect();
+        let moments = SubFrame::all(&variant.scene).map(values).collect();
         let (extent, space) = (frame.view.extent, frame.space);
         let near = (extent.distance - extent.radius).max(extent.near);
         let depths = [near, extent.distance + extent.radius].map(f64::from);
@@ -58,16 +53,12 @@ impl CpuInputs {
 
     /// Uniform blocks of a program for each sub-frame, by binding. The program may be any that reads no further values.
     pub fn moments(&self, program: &Program) -> Result<Vec<Blocks>, RenderError> {
-        let filled = |values| {
-            let blocks = blocks(program, values)?;
-            Ok(blocks.into_iter().map(|(resource, bytes)| (resource.binding, bytes)).collect())
-        };
-        self.moments.iter().map(filled).collect()
+        self.moments.iter().map(|values| blocks(program, values)).collect()
     }
 
     /// Binding of the shadow volume, if the program reads one.
     pub fn shadow_binding(program: &Program) -> Option<u32> {
-        program.resources.iter().find(|resource| resource.name == SHADOW).map(|resource| resource.binding)
+        program.binding(bindings::SHADOW)
     }
 
     /// Size of the target of the shadow volume's segments.

@@ -1,6 +1,7 @@
 //! Images and samplers encoded for the device.
 
 use crate::gpu::{Address, Dimension, Format};
+use crate::render::variant::bindings;
 use crate::scene::{Quality, Wrap};
 use bytemuck::NoUninit;
 use serde::{Deserialize, Serialize};
@@ -50,8 +51,8 @@ impl Filter {
         let (address, anisotropy) = match name {
             "table_sampler" => (Address::Clamp, 1.0),
             "repeat_sampler" => (Address::Repeat, 1.0),
-            "block_sampler" if quality.wrap == Wrap::Mirror => (Address::Mirror, 1.0),
-            "block_sampler" => (Address::Repeat, 1.0),
+            bindings::BLOCK_SAMPLER if quality.wrap == Wrap::Mirror => (Address::Mirror, 1.0),
+            bindings::BLOCK_SAMPLER => (Address::Repeat, 1.0),
             _ => (Address::Clamp, quality.anisotropy),
         };
         Filter { address, anisotropy }

@@ -2,7 +2,7 @@
 
 use super::bricks::Sparse;
 use super::encoded::{Encoded, Filter};
-use super::noise_blocks::{block, block_key};
+use super::noise_blocks::NoiseImage;
 use super::object_inputs::{CLOSEST, ObjectInputs, StoredDistance};
 use super::table::{self, Function};
 use super::uniforms::{Values, moment, values};
@@ -11,7 +11,7 @@ use crate::gpu::{Dimension, Format};
 use crate::render::camera::{FrameContext, SlicePlanes, SubFrame, View};
 use crate::render::error::RenderError;
 use crate::render::texture::{self, Bricks, Encoding, Texels};
-use crate::render::variant::{Program, Resource, Use};
+use crate::render::variant::{Program, Resource, Use, Variant, bindings};
 use crate::shader::Library;
 use std::cell::Cell;
 
@@ -48,24 +48,24 @@ impl Inputs {
         program: &Program,
         progress: Progress<'_>,
     ) -> Result<Inputs, RenderError> {
-        let FrameContext { scene, variant, planes, .. } = frame;
+        let FrameContext { variant: variant @ Variant { scene, .. }, planes, .. } = frame;
         let mut items: Vec<ObjectInputs<'_>> =
             frame.view.objects.iter().map(|own| ObjectInputs::of(frame, own, StoredDistance::default())).collect();
         let mut volumes = Vec::new();
         let mut sparse = None;
         for item in &mut items {
-            let read = program.reads(&format!("volume_image{}", item.suffix));
+            let read = item.is_read(program, bindings::VOLUME);
             let mut texels = if read { item.volume(variant) } else { None };
             if let Some(texels) = &texels {
                 item.stored.decode = texels.decode.map(|value| value * item.subject.scale);
                 item.stored.quantization = texels.quantization * item.subject.scale;
             }
-            let bricks = texels.as_ref().filter(|_| program.reads(&format!("brick_image{}", item.suffix)));
+            let bricks = texels.as_ref().filter(|_| item.is_read(program, bindings::BRICKS));
             let bricks = bricks.and_then(|texels| item.bricks(frame, texels));
             if let (Some(texels), Some(bricks)) = (&mut texels, &bricks) {
                 sparse.get_or_insert_with(Sparse::default).add(texels, bricks);
             }
-            let read = program.reads(&format!("closest_image{}", item.suffix));
+            let read = item.is_read(program, bindings::CLOSEST);
             let made = if read { Some(item.closest()?) } else { None };
             item.stored.closest_range = made.as_ref().map_or(0.0, |(_, range)| range * item.subject.scale);
             let mut offsets = made.map(|(offsets, _)| offsets);
@@ -76,7 +76,7 @@ impl Inputs {
         }
         let holds_parameters = Cell::new(false);
         let function = |entry| {
-            let values = values(frame, &items);
+            let values = values(frame, &items, scene.camera.time);
             let function = Function::new(entry, variant, library, &values)?;
             holds_parameters.set(holds_parameters.get() || function.reads_parameters);
             Ok(function)
@@ -84,10 +84,10 @@ impl Inputs {
         let (mut images, mut samplers) = (Vec::new(), Vec::new());
         for Resource { name, binding, holds, .. } in &program.resources {
             match holds {
-                Use::Image if [SHADOW, BEFORE, BEHIND, CELLS].contains(&name.as_str()) => {}
+                Use::Image if bindings::RENDERED.contains(&name.as_str()) => {}
                 Use::Image => {
-                    let made = match block(scene, name, progress) {
-                        Some(block) => block,
+                    let made = match NoiseImage::of(scene, name) {
+                        Some(own) => own.encode(progress),
                         None => image(&items, &mut volumes, planes, &function, name)?,
                     };
                     images.push((*binding, made));
@@ -121,30 +121,22 @@ impl StoredObjects {
     pub(crate) fn values(&self, frame: &FrameContext, sub_frame: &SubFrame) -> Values {
         let objects = frame.view.objects.iter().zip(&self.0);
         let items: Vec<ObjectInputs<'_>> = objects.map(|(own, stored)| ObjectInputs::of(frame, own, *stored)).collect();
-        let mut values = values(frame, &items);
-        values.extend(moment(frame, sub_frame));
+        let mut values = values(frame, &items, sub_frame.time);
+        values.named.extend(moment(frame, sub_frame));
         for item in &items {
             let speeds = item.parameters.held_speeds(sub_frame.time);
-            values.extend(speeds.map(|(name, speed)| (format!("{name}{}", item.suffix), vec![speed])));
+            values.named.extend(speeds.map(|(name, speed)| (format!("{name}{}", item.suffix), vec![speed])));
         }
-        values.extend(frame.space.values().map(|(name, floats)| (name.to_string(), floats)));
+        values.named.extend(frame.space.values().map(|(name, floats)| (name.to_string(), floats)));
         values
     }
 }
 
-/// Binding of the shadow volume in `interface.glsl`.
-pub(crate) const SHADOW: &str = "shadow_image";
-/// Bindings of the light buffers.
-pub(crate) const BEFORE: &str = "light_before_image";
-pub(crate) const BEHIND: &str = "light_behind_image";
-/// Binding of the cell grid.
-pub(crate) const CELLS: &str = "cell_image";
-
 /// Text of all that an image depends on, for loaded objects.
 pub(crate) fn image_key(frame: &FrameContext, name: &str) -> String {
-    let FrameContext { scene, variant, view, planes, .. } = frame;
-    if let Some(key) = block_key(scene, name) {
-        return key;
+    let FrameContext { variant: variant @ Variant { scene, .. }, view, planes, .. } = frame;
+    if let Some(own) = NoiseImage::of(scene, name) {
+        return format!("{own:?}");
     }
     let items: Vec<_> =
         view.objects.iter().map(|own| ObjectInputs::of(frame, own, StoredDistance::default())).collect();
@@ -153,19 +145,19 @@ pub(crate) fn image_key(frame: &FrameContext, name: &str) -> String {
     let (object, effect, transfer) = (&item.scene.object, &item.scene.effect, &item.scene.transfer);
     let densities = (object.inner_iso, item.own.outer_iso);
     match base {
-        "transfer_image" => format!("{:?}", texture::transfer_map(transfer)),
-        "index_image" => format!("{:?}", texture::index_map(transfer)),
-        "segment_image" => {
+        bindings::TRANSFER => format!("{:?}", texture::transfer_map(transfer)),
+        bindings::INDEX => format!("{:?}", texture::index_map(transfer)),
+        bindings::SEGMENT => {
             format!("{transfer:?} {} {} {:?}", effect.opacity_rate * planes.step, effect.opacity, item.parameters)
         }
-        "classified_image" => {
+        bindings::CLASSIFIED => {
             format!(
                 "{transfer:?} {} {densities:?} {:?}{:?} {:?}",
                 effect.softness, effect.dmf, effect.warp, item.parameters
             )
         }
-        "closest_image" => format!("{}", object.inner_iso),
-        "brick_image" => format!("{densities:?} {:?} {}", scene.quality.integration, planes.step),
+        bindings::CLOSEST => format!("{}", object.inner_iso),
+        bindings::BRICKS => format!("{densities:?} {:?} {}", scene.quality.integration, planes.step),
         _ => format!("{:?}", item.encoding(variant)),
     }
 }
@@ -184,23 +176,23 @@ fn image(
     let (scene, subject) = (&item.scene, item.subject);
     let volume = |[x, y, z]: [u32; 3]| Dimension::Volume(x, y, z);
     Ok(match name {
-        "transfer_image" => {
+        bindings::TRANSFER => {
             let texels = texture::transfer_map(&scene.transfer);
             Encoded::new("transfer map", Dimension::Line(texels.len() as u32 / 4), Format::Rgba16Unorm, &texels)
         }
-        "index_image" => {
+        bindings::INDEX => {
             let texels = texture::index_map(&scene.transfer);
             Encoded::new("index map", Dimension::Line(texels.len() as u32 / 4), Format::Rgba32Float, &texels)
         }
-        "closest_image" => {
+        bindings::CLOSEST => {
             let Texels { size, bytes, .. } = volumes[index].offsets.take().ok_or(RenderError::Missing(CLOSEST))?;
             Encoded { name: CLOSEST, dimension: volume(size), format: Format::Rgba16Unorm, bytes }
         }
-        "brick_image" => {
+        bindings::BRICKS => {
             let bricks = volumes[index].bricks.as_ref().ok_or_else(|| RenderError::Unfilled(name.into()))?;
             Encoded::new("index of bricks", volume(bricks.size), Format::Rgba32Float, &bricks.index)
         }
-        "segment_image" => {
+        bindings::SEGMENT => {
             let exponent = scene.effect.opacity_rate * planes.step;
             let opacity = function(table::OPACITY)?;
             let opacities =
@@ -209,7 +201,7 @@ fn image(
             let side = texture::SEGMENT_SIZE as u32;
             Encoded::new("segment table", Dimension::Plane(side, side), Format::Rgba32Float, &texels)
         }
-        "classified_image" => {
+        bindings::CLASSIFIED => {
             let field = subject.field.as_ref().ok_or(RenderError::Classification(
                 scene.effect.classify.clone(),
                 "voxels, and this object is a formula (object.field_encoding = \"normals16\" makes a volume of it)",

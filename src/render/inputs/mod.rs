@@ -10,9 +10,9 @@ mod table;
 mod uniforms;
 
 pub use bricks::Sparse;
-pub use cpu_inputs::{Blocks, CpuInputs};
+pub use cpu_inputs::CpuInputs;
 pub(crate) use cpu_inputs::{texture, wrap};
 pub use encoded::ImageInfo;
 pub(crate) use encoded::{Encoded, Filter};
-pub(crate) use images::{BEFORE, BEHIND, CELLS, Inputs, SHADOW, StoredObjects, image_key};
-pub(crate) use uniforms::{TIME, Values, blocks};
+pub(crate) use images::{Inputs, StoredObjects, image_key};
+pub(crate) use uniforms::{Values, blocks, blocks_at};

@@ -1,6 +1,6 @@
 //! Noise and turbulence blocks, and noise tables: images that depend on no object.
 //!
-//! Invariant: a block depends on its [`Recipe`] alone, under which the disk cache keeps it.
+//! Invariant: an image depends on its [`Recipe`] and bit depth alone, under which the disk cache keeps a block.
 
 use super::encoded::Encoded;
 use crate::field::Progress;
@@ -30,11 +30,15 @@ enum Recipe {
     Channels(Bake),
     /// Random texels: seed, side and blur.
     Random(u64, u32, f32),
+    /// Row of the tables of noise.
+    Row(usize, Weights),
+    /// Jitter phases of a tile of pixels.
+    Phases,
 }
 
 impl Recipe {
     fn channels(&self) -> u32 {
-        if matches!(self, Recipe::Values(_)) { 1 } else { 4 }
+        if matches!(self, Recipe::Values(_) | Recipe::Phases) { 1 } else { 4 }
     }
 
     /// Mip level without the `faded` last octaves, at half the resolution for each; and the difference of its mean from
@@ -74,6 +78,13 @@ impl Recipe {
                 texture::block_channels(&[0, 1, 2, 3].map(octave), depth)
             }
             Recipe::Random(seed, size, blur) => texture::texels_of(&random_block(*seed, *size, *blur), depth),
+            Recipe::Row(index, weights) => {
+                bytemuck::cast_slice(&texture::table_rows(&Noise::new(SEED, *weights))[*index]).to_vec()
+            }
+            Recipe::Phases => {
+                static TILE: OnceLock<Vec<f32>> = OnceLock::new();
+                bytemuck::cast_slice(TILE.get_or_init(|| blue_noise(PHASES))).to_vec()
+            }
         }
     }
 
@@ -89,7 +100,7 @@ impl Recipe {
 
     /// Bytes of the block, from the disk cache or computed.
     fn bytes(&self, size: u32, depth: Depth, progress: Progress<'_>) -> Vec<u8> {
-        if size < KEPT_FROM {
+        if size < KEPT_FROM || matches!(self, Recipe::Row(..) | Recipe::Phases) {
             return self.make(0.0, depth, progress);
         }
         let key = blake3::hash(format!("{VERSION} {self:?} {depth:?}").as_bytes());
@@ -101,42 +112,72 @@ impl Recipe {
     }
 }
 
-/// Encodes the noise block or table of a binding in `interface.glsl`; `None` for other images. `progress` receives the
-/// finished share of a block, from any thread.
-pub(crate) fn block(scene: &Scene, name: &str, progress: Progress<'_>) -> Option<Encoded> {
-    let row = |name, index: usize| {
-        let texels = &texture::table_rows(&Noise::new(SEED, weights(scene)))[index];
-        Some(Encoded::new(name, Dimension::Line(256), Format::Rgba32Float, texels))
-    };
-    match name {
-        "permutation_image" => return row("permutation", 0),
-        "gradient_image" => return row("table of gradients", 1),
-        "phase_image" => {
-            static TILE: OnceLock<Vec<f32>> = OnceLock::new();
-            let (texels, side) = (TILE.get_or_init(|| blue_noise(PHASES)), PHASES as u32);
-            return Some(Encoded::new("phases of the pixels", Dimension::Plane(side, side), Format::R32Float, texels));
-        }
-        _ => {}
-    }
-    let (name, recipe, depth, faded) = recipe(scene, name)?;
-    let size = scene.quality.block_size;
-    let format = match (recipe.channels(), depth) {
-        (1, Depth::Eight) => Format::R8Unorm,
-        (1, Depth::Sixteen) => Format::R16Unorm,
-        (1, Depth::Float) => Format::R32Float,
-        (_, Depth::Eight) => Format::Rgba8Unorm,
-        (_, Depth::Sixteen) => Format::Rgba16Unorm,
-        (_, Depth::Float) => Format::Rgba32Float,
-    };
-    let bytes = recipe.levels(size, faded, depth, progress);
-    Some(Encoded { name, dimension: Dimension::Volume(size, size, size), format, bytes })
+/// A noise block or table of a scene; images with equal debug texts but for the names are equal.
+#[derive(Debug)]
+pub(crate) struct NoiseImage {
+    name: &'static str,
+    recipe: Recipe,
+    depth: Depth,
+    /// Number of further levels, each without another octave.
+    faded: u32,
+    size: u32,
 }
 
-/// Text of all that a noise block or table depends on; `None` for other images.
-pub(crate) fn block_key(scene: &Scene, name: &str) -> Option<String> {
-    match name {
-        "permutation_image" | "gradient_image" | "phase_image" => Some(format!("{:?}", weights(scene))),
-        _ => recipe(scene, name).map(|recipe| format!("{recipe:?}")),
+impl NoiseImage {
+    /// Encodes the image. `progress` receives the finished share of a block, from any thread.
+    pub(crate) fn encode(&self, progress: Progress<'_>) -> Encoded {
+        let NoiseImage { name, recipe, depth, faded, size } = *self;
+        let format = match (recipe.channels(), depth) {
+            (1, Depth::Eight) => Format::R8Unorm,
+            (1, Depth::Sixteen) => Format::R16Unorm,
+            (1, Depth::Float) => Format::R32Float,
+            (_, Depth::Eight) => Format::Rgba8Unorm,
+            (_, Depth::Sixteen) => Format::Rgba16Unorm,
+            (_, Depth::Float) => Format::Rgba32Float,
+        };
+        let dimension = match recipe {
+            Recipe::Row(..) => Dimension::Line(size),
+            Recipe::Phases => Dimension::Plane(size, size),
+            _ => Dimension::Volume(size, size, size),
+        };
+        Encoded { name, dimension, format, bytes: recipe.levels(size, faded, depth, progress) }
+    }
+
+    /// The noise block or table of a binding in `interface.glsl`; `None` for other images.
+    pub(crate) fn of(scene: &Scene, name: &str) -> Option<NoiseImage> {
+        let size = scene.quality.block_size;
+        let weights = weights(scene);
+        let [noise_cells, turbulence_cells, channel_cells] = scene.block_cells();
+        let [held, low] = scene.block_octaves();
+        let noise = Bake { weights, size, cells: noise_cells, octaves: 1, absolute: false };
+        let turbulence = |octaves| Bake { weights, size, cells: turbulence_cells, octaves, absolute: true };
+        let (name, recipe) = match name {
+            "noise_image" => ("noise block", Recipe::Gradients(noise)),
+            "noise_value_image" => ("noise values", Recipe::Values(noise)),
+            "turbulence_image" => ("turbulence block", Recipe::Gradients(turbulence(held))),
+            "turbulence_value_image" => ("turbulence values", Recipe::Values(turbulence(held))),
+            "low_octaves_image" => ("low octaves", Recipe::Values(turbulence(low))),
+            "channel_image" => ("four octaves", Recipe::Channels(Bake { cells: channel_cells, ..noise })),
+            "permutation_image" => ("permutation", Recipe::Row(0, weights)),
+            "gradient_image" => ("table of gradients", Recipe::Row(1, weights)),
+            "phase_image" => ("phases of the pixels", Recipe::Phases),
+            "random_image" => ("random texels", Recipe::Random(SEED, size, scene.quality.block_blur)),
+            _ => return None,
+        };
+        let (size, depth) = match (recipe, scene.quality.block_format, recipe.channels()) {
+            (Recipe::Row(..), ..) => (256, Depth::Float),
+            (Recipe::Phases, ..) => (PHASES as u32, Depth::Float),
+            (_, BlockFormat::Unorm8, _) => (size, Depth::Eight),
+            (_, BlockFormat::Unorm16, _) | (_, BlockFormat::Auto, 4) => (size, Depth::Sixteen),
+            (_, BlockFormat::Float32 | BlockFormat::Auto, _) => (size, Depth::Float),
+        };
+        // Sums of octaves fade by levels: see glsl/octave_levels.glsl.
+        let fades = scene.effect.bandlimit != "none";
+        let faded = match recipe {
+            Recipe::Values(bake) | Recipe::Gradients(bake) if bake.absolute && fades => bake.octaves,
+            _ => 0,
+        };
+        Some(NoiseImage { name, recipe, depth, faded, size })
     }
 }
 
@@ -159,38 +200,6 @@ fn weights(scene: &Scene) -> Weights {
     if scene.effect.weights == "cubic" { Weights::Cubic } else { Weights::Quintic }
 }
 
-/// Name in words, recipe, bit depth and further levels of the noise block of a binding.
-fn recipe(scene: &Scene, name: &str) -> Option<(&'static str, Recipe, Depth, u32)> {
-    let size = scene.quality.block_size;
-    let weights = weights(scene);
-    let [noise_cells, turbulence_cells, channel_cells] = scene.block_cells();
-    let [held, low] = scene.block_octaves();
-    let noise = Bake { weights, size, cells: noise_cells, octaves: 1, absolute: false };
-    let turbulence = |octaves| Bake { weights, size, cells: turbulence_cells, octaves, absolute: true };
-    let (name, recipe) = match name {
-        "noise_image" => ("noise block", Recipe::Gradients(noise)),
-        "noise_value_image" => ("noise values", Recipe::Values(noise)),
-        "turbulence_image" => ("turbulence block", Recipe::Gradients(turbulence(held))),
-        "turbulence_value_image" => ("turbulence values", Recipe::Values(turbulence(held))),
-        "low_octaves_image" => ("low octaves", Recipe::Values(turbulence(low))),
-        "channel_image" => ("four octaves", Recipe::Channels(Bake { cells: channel_cells, ..noise })),
-        "random_image" => ("random texels", Recipe::Random(SEED, size, scene.quality.block_blur)),
-        _ => return None,
-    };
-    let depth = match (scene.quality.block_format, recipe.channels()) {
-        (BlockFormat::Unorm8, _) => Depth::Eight,
-        (BlockFormat::Unorm16, _) | (BlockFormat::Auto, 4) => Depth::Sixteen,
-        (BlockFormat::Float32 | BlockFormat::Auto, _) => Depth::Float,
-    };
-    // Sums of octaves fade by levels: see glsl/octave_levels.glsl.
-    let fades = scene.effect.bandlimit != "none";
-    let faded = match recipe {
-        Recipe::Values(bake) | Recipe::Gradients(bake) if bake.absolute && fades => bake.octaves,
-        _ => 0,
-    };
-    Some((name, recipe, depth, faded))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -203,7 +212,8 @@ mod tests {
             for name in ["noise_image", "turbulence_value_image", "channel_image", "random_image"] {
                 let told = Mutex::new(vec![]);
                 let [first, second] = [0, 1].map(|_| {
-                    let block = block(&scene, name, &|done| told.lock().unwrap().push(done)).unwrap();
+                    let image = NoiseImage::of(&scene, name).unwrap();
+                    let block = image.encode(&|done| told.lock().unwrap().push(done));
                     assert_eq!(block.dimension, Dimension::Volume(size, size, size));
                     block.bytes
                 });
@@ -215,6 +225,6 @@ mod tests {
                 }
             }
         }
-        assert!(block(&scene, "transfer_image", &|_| ()).is_none());
+        assert!(NoiseImage::of(&scene, "transfer_image").is_none());
     }
 }

@@ -4,7 +4,7 @@ use crate::render::camera::{FrameContext, ObjectView};
 use crate::render::error::RenderError;
 use crate::render::subject::Subject;
 use crate::render::texture::{self, Encoding, Texels};
-use crate::render::variant::Variant;
+use crate::render::variant::{Program, Variant};
 use crate::scene::{FieldEncoding, Parameters, Scene};
 
 /// Decoding of a distance stored in a volume, units of its object: `x + y s` for a texel s.
@@ -32,12 +32,17 @@ pub(crate) struct ObjectInputs<'a> {
 
 impl<'a> ObjectInputs<'a> {
     pub(crate) fn of(frame: &'a FrameContext, view: &'a ObjectView, stored: StoredDistance) -> ObjectInputs<'a> {
-        let FrameContext { scene, subject, variant, .. } = frame;
+        let FrameContext { subject, variant: variant @ Variant { scene, .. }, .. } = frame;
         let (suffix, scene, subject, parameters) = match view.name.as_str() {
             "" => (String::new(), scene.clone(), subject, &variant.parameters),
             name => (format!("_{name}"), scene.part_as_scene(name), &subject.parts[name], &variant.parts[name]),
         };
         ObjectInputs { suffix, own: view, scene, subject, parameters, stored }
+    }
+
+    /// Whether a program reads a binding of this object.
+    pub(crate) fn is_read(&self, program: &Program, binding: &str) -> bool {
+        program.reads(&format!("{binding}{}", self.suffix))
     }
 
     /// Volume of the object; `None` for a formula.

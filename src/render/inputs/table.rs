@@ -34,8 +34,7 @@ impl Function {
             return Err(RenderError::Table);
         }
         let reads_parameters = linked.reads("Parameters");
-        let blocks = blocks(&linked, values)?.into_iter().map(|(resource, bytes)| (resource.binding, bytes)).collect();
-        let inputs = Inputs { blocks, ..Inputs::default() };
+        let inputs = Inputs { blocks: blocks(&linked, values)?, ..Inputs::default() };
         Ok(Function { program: Program::read(&linked.fragment, &[])?, inputs, reads_parameters })
     }
 

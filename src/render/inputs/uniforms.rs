@@ -5,29 +5,37 @@ use super::object_inputs::ObjectInputs;
 use crate::render::camera::{FrameContext, SubFrame, View, slant};
 use crate::render::error::RenderError;
 use crate::render::texture::transfer_texel;
-use crate::render::variant::{Program, Resource, Use, Variant};
+use crate::render::variant::{Blocks, Program, Use, Variant};
 use crate::scene::{Integration, Jitter, ParameterValue};
 use std::collections::HashMap;
 
-/// Name of the time in `interface.glsl`.
-pub(crate) const TIME: &str = "time";
-
-/// Values of the members of all blocks, by name.
-pub(crate) type Values = HashMap<String, Vec<f32>>;
+/// Values of the members of all blocks.
+#[derive(Clone, Default)]
+pub(crate) struct Values {
+    /// By name, without the time.
+    pub(crate) named: HashMap<String, Vec<f32>>,
+    pub(crate) time: f32,
+}
 
 /// Fills the blocks of a program.
-pub(crate) fn blocks(program: &Program, values: &Values) -> Result<Vec<(Resource, Vec<u8>)>, RenderError> {
+pub(crate) fn blocks(program: &Program, values: &Values) -> Result<Blocks, RenderError> {
+    blocks_at(program, values, values.time)
+}
+
+/// Fills the blocks of a program for another time.
+pub(crate) fn blocks_at(program: &Program, values: &Values, time: f32) -> Result<Blocks, RenderError> {
+    let (named, time) = (&values.named, [time]);
+    let value = |name: &str| if name == "time" { Some(&time[..]) } else { named.get(name).map(Vec::as_slice) };
     let filled = program.resources.iter().filter_map(|resource| {
         let Use::Block(block) = &resource.holds else { return None };
-        let bytes = block.fill(|name| values.get(name).map(Vec::as_slice)).map_err(RenderError::Unfilled);
-        Some(bytes.map(|bytes| (resource.clone(), bytes)))
+        Some(block.fill(value).map(|bytes| (resource.binding, bytes)).map_err(RenderError::Unfilled))
     });
     filled.collect()
 }
 
-/// Members that differ between sub-frames.
-pub(crate) fn moment(frame: &FrameContext, sub_frame: &SubFrame) -> [(String, Vec<f32>); 4] {
-    let (view, size) = (&frame.view, frame.scene.image.size);
+/// Members that differ between sub-frames, except the time.
+pub(crate) fn moment(frame: &FrameContext, sub_frame: &SubFrame) -> [(String, Vec<f32>); 3] {
+    let (view, size) = (&frame.view, frame.variant.scene.image.size);
     let [width, height] = size.map(|side| 2.0 / side as f32);
     let [x, y] = [sub_frame.offset[0] * width - view.pan[0], sub_frame.offset[1] * height - view.pan[1]];
     // Slices are rasterized at pixel centers, so they move against the offset of the rays.
@@ -35,16 +43,15 @@ pub(crate) fn moment(frame: &FrameContext, sub_frame: &SubFrame) -> [(String, Ve
     [
         ("projection".into(), projection.to_cols_array().to_vec()),
         ("picture_scale".into(), vec![width, height, x, y]),
-        (TIME.into(), vec![sub_frame.time as f32]),
         ("jitter_seed".into(), vec![sub_frame.jitter_seed]),
     ]
 }
 
 /// All other members of the blocks of `interface.glsl` and `part.glsl`, and all parameters.
-pub(crate) fn values(frame: &FrameContext, items: &[ObjectInputs<'_>]) -> Values {
-    let FrameContext { scene, variant, view, planes, .. } = frame;
-    let mut values = HashMap::new();
-    let mut set = |name: &str, floats: &[f32]| drop(values.insert(name.to_string(), floats.to_vec()));
+pub(crate) fn values(frame: &FrameContext, items: &[ObjectInputs<'_>], time: f64) -> Values {
+    let FrameContext { variant: variant @ Variant { scene, .. }, view, planes, .. } = frame;
+    let mut named = HashMap::new();
+    let mut set = |name: &str, floats: &[f32]| drop(named.insert(name.to_string(), floats.to_vec()));
     set("texture_matrix", &view.texture_matrix.to_cols_array());
     set("object_matrix", &view.object_matrix.to_cols_array());
     set("display_matrix", &view.display_matrix.to_cols_array());
@@ -85,7 +92,7 @@ pub(crate) fn values(frame: &FrameContext, items: &[ObjectInputs<'_>]) -> Values
     for item in items {
         set_object(item, view, &mut |name, floats| set(&format!("{name}{}", item.suffix), floats));
     }
-    values
+    Values { named, time: time as f32 }
 }
 
 /// Sets the members of `part.glsl` and the parameters of one object.
@@ -141,7 +148,7 @@ const WARPED: f32 = 2.0;
 
 /// Distance along the ray within which a sample looks for matter, object units; 0 if it stands for its point alone.
 fn sample_reach(frame: &FrameContext) -> f32 {
-    let steps = match frame.scene.quality.integration {
+    let steps = match frame.variant.scene.quality.integration {
         Integration::Segment => 0.5,
         Integration::Point => f32::from(u8::from(frame.variant.looks_back)),
     };
@@ -159,5 +166,6 @@ fn steepness(variant: &Variant) -> f32 {
 
 /// Longest step along a ray, object units.
 fn longest_step(frame: &FrameContext) -> f32 {
-    frame.planes.step * slant(&frame.scene, &frame.view) / glam::Vec3::from(frame.scene.object.stretch).min_element()
+    let scene = &frame.variant.scene;
+    frame.planes.step * slant(scene, &frame.view) / glam::Vec3::from(scene.object.stretch).min_element()
 }

@@ -3,7 +3,7 @@
 use super::request::{Recipe, SubjectRequest, field_margin, opened, settled};
 use crate::field::{self, ClosestPoints, DistanceField, Progress};
 use crate::render::error::RenderError;
-use crate::render::variant::Variant;
+use crate::render::variant::{Checkable, Variant};
 use crate::scene::{GLSL, Object, Scene};
 use crate::shader::Library;
 use crate::shape::{self, Opened, Shape};
@@ -50,9 +50,9 @@ impl Subject {
     ///
     /// # Errors
     /// The input cannot be read, or has no surface.
-    pub fn load(scene: &Scene, library: &Library, progress: Progress<'_>) -> Result<Subject, RenderError> {
+    pub fn load(scene: &impl Checkable, library: &Library, progress: Progress<'_>) -> Result<Subject, RenderError> {
         let own = |wanted: &SubjectRequest, progress: Progress<'_>| Subject::of(wanted, None, progress);
-        Subject::all(scene, library, &own, progress)
+        Subject::all(&*scene.checked(library)?, &own, progress)
     }
 
     /// Computes the field of an in-memory shape as the main object; additional objects are loaded as the scene names
@@ -73,7 +73,7 @@ impl Subject {
         let own = |wanted: &SubjectRequest, progress: Progress<'_>| {
             Subject::made(&shape, Recipe::of(&shape, wanted, 1.0), None, Vec::new(), progress)
         };
-        Subject::all(scene, library, &own, progress)
+        Subject::all(&Variant::of(scene, library)?, &own, progress)
     }
 
     /// Computes the field of a triangle mesh; see [`Mesh::new`](shape::Mesh::new).
@@ -125,16 +125,15 @@ impl Subject {
 
     /// Loads the main object by `own`, then the additional ones.
     fn all(
-        scene: &Scene,
-        library: &Library,
+        variant: &Variant,
         own: &dyn Fn(&SubjectRequest, Progress<'_>) -> Result<Subject, RenderError>,
         progress: Progress<'_>,
     ) -> Result<Subject, RenderError> {
-        let objects = SubjectRequest::all(scene, &Variant::of(scene, library)?);
+        let objects = SubjectRequest::all(variant);
         let count = objects.len() as f32;
         let part = |before: u8| move |done: f32| progress((f32::from(before) + done) / count);
         let mut subject = own(&objects[0], &part(0))?;
-        for ((name, wanted), before) in scene.parts.keys().zip(&objects[1..]).zip(1..) {
+        for ((name, wanted), before) in variant.parts.keys().zip(&objects[1..]).zip(1..) {
             let loaded = Subject::of(wanted, Some(&subject), &part(before))?;
             subject.parts.insert(name.clone(), loaded);
         }

@@ -2,7 +2,7 @@
 
 use crate::field;
 use crate::render::variant::Variant;
-use crate::scene::{Axis, Object, Parameters, Scene};
+use crate::scene::{Axis, Object, Parameters};
 use crate::shape::{self, Opened, Shape, ShapeError};
 use std::ops::RangeInclusive;
 
@@ -27,9 +27,9 @@ pub struct SubjectRequest {
 }
 
 impl SubjectRequest {
-    /// Requests for the main object of a scene, then the additional ones in the order of their names; `variant` is the
-    /// scene's.
-    pub fn all(scene: &Scene, variant: &Variant) -> Vec<SubjectRequest> {
+    /// Requests for the main object of a scene, then the additional ones in the order of their names.
+    pub fn all(variant: &Variant) -> Vec<SubjectRequest> {
+        let scene = &variant.scene;
         let reach =
             |parameters: &Parameters, object: &Object| field_margin(parameters.outer_iso().unwrap_or(object.outer_iso));
         let own = SubjectRequest {
@@ -44,7 +44,7 @@ impl SubjectRequest {
             SubjectRequest {
                 object: Object { up, ..part.object.clone() },
                 reach: reach(&variant.parts[name], &part.object),
-                closest: variant.part_reads_closest(name),
+                closest: variant.module(&format!("{name}.project")) == Some("closest"),
                 aligned,
             }
         });

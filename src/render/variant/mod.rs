@@ -1,8 +1,9 @@
-//! Variants: the minimal program of a scene.
+//! Variants: checked scenes with their minimal programs.
 //!
 //! Role: scene -> chosen modules -> SPIR-V with its live bindings. Invariant: [`Variant::of`] is pure, and unreached
 //! parts are neither in the program nor in its layout; [`Program::left_out`] lists them.
 
+pub(crate) mod bindings;
 mod error;
 mod linked;
 mod program;
@@ -12,9 +13,9 @@ mod scene_variant;
 pub use crate::scene::FORMULAS;
 pub use error::VariantError;
 pub(crate) use program::parts;
-pub use program::{OCTAVES_ID, Program, why_left_out};
+pub use program::{Blocks, OCTAVES_ID, Program, why_left_out};
 pub use reflect::{Block, Member, ReflectError, Resource, Use};
-pub use scene_variant::{Variant, slot_of};
+pub use scene_variant::{Checkable, Purpose, Variant, slot_of};
 
 #[cfg(test)]
 mod tests;

@@ -1,9 +1,10 @@
 //! A linked program, and the parts that it leaves out.
 
+use super::bindings;
 use super::error::VariantError;
 use super::reflect::{self, Resource, Use};
 use flate2::read::DeflateDecoder;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Read};
 
 include!(concat!(env!("OUT_DIR"), "/programs.rs"));
@@ -15,6 +16,9 @@ pub(super) fn shipped_programs() -> &'static [(&'static str, &'static [u8], &'st
 
 /// `constant_id` of the octaves in `glsl/octave_constants.glsl`.
 pub const OCTAVES_ID: u32 = 0;
+
+/// Filled uniform blocks of a program, by binding.
+pub type Blocks = BTreeMap<u32, Vec<u8>>;
 
 /// A linked program with its bindings.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,7 +41,12 @@ impl Program {
 
     /// Whether the program reads a binding.
     pub fn reads(&self, name: &str) -> bool {
-        self.resources.iter().any(|resource| resource.name == name)
+        self.binding(name).is_some()
+    }
+
+    /// Number of a binding, if the program reads it.
+    pub fn binding(&self, name: &str) -> Option<u32> {
+        self.resources.iter().find(|resource| resource.name == name).map(|resource| resource.binding)
     }
 
     /// Block members that the fragment stage reads in any function: pairs of a binding and a member index.
@@ -46,17 +55,13 @@ impl Program {
     }
 
     /// Bytes of those members in filled blocks.
-    pub fn parts_read<'a>(
-        &self,
-        read: &BTreeSet<(u32, u32)>,
-        blocks: impl IntoIterator<Item = (u32, &'a [u8])>,
-    ) -> Vec<u8> {
+    pub fn parts_read(&self, read: &BTreeSet<(u32, u32)>, blocks: &Blocks) -> Vec<u8> {
         let mut found = Vec::new();
         for (binding, bytes) in blocks {
-            let holds = self.resources.iter().find(|own| own.binding == binding).map(|own| &own.holds);
+            let holds = self.resources.iter().find(|own| own.binding == *binding).map(|own| &own.holds);
             let Some(Use::Block(block)) = holds else { continue };
             for (number, member) in (0..).zip(&block.members) {
-                if read.contains(&(binding, number)) {
+                if read.contains(&(*binding, number)) {
                     found.extend_from_slice(&bytes[member.offset..][..4 * member.floats]);
                 }
             }
@@ -73,15 +78,15 @@ impl Program {
 
 /// Optional parts of a program: prefix of the bindings, name, and reason for the absence.
 const PARTS: [(&str, &str, &str); 9] = [
-    ("volume_image", "volume", "the object is a formula"),
+    (bindings::VOLUME, "volume", "the object is a formula"),
     ("noise_", "noise block", "no module looks noise up in a block"), // with or without its gradient
     ("turbulence_", "turbulence block", "no module looks turbulence up in a block"),
-    ("transfer_image", "transfer map", "no module asks for a color by density, or it has one color"),
-    ("segment_image", "segment table", "no segment is classified by the densities at its ends"),
-    ("classified_image", "classified volume", "colors are not given to voxels"),
-    ("index_image", "index map", "no ray bends"),
-    ("closest_image", "closest points", "no module asks for the root of a hair"),
-    ("shadow_image", "shadow volume", "light.shadows is off, or the light goes from slice to slice"),
+    (bindings::TRANSFER, "transfer map", "no module asks for a color by density, or it has one color"),
+    (bindings::SEGMENT, "segment table", "no segment is classified by the densities at its ends"),
+    (bindings::CLASSIFIED, "classified volume", "colors are not given to voxels"),
+    (bindings::INDEX, "index map", "no ray bends"),
+    (bindings::CLOSEST, "closest points", "no module asks for the root of a hair"),
+    (bindings::SHADOW, "shadow volume", "light.shadows is off, or the light goes from slice to slice"),
 ];
 
 /// Reason for the absence of a part of [`Program::left_out`]; empty for other names.

@@ -1,4 +1,4 @@
-//! The modules of a scene's program.
+//! A checked scene with the modules of its program.
 
 use super::error::VariantError;
 use super::program::{self, Program, shipped_programs};
@@ -7,26 +7,19 @@ use crate::render::texture;
 use crate::scene::{Color, FieldEncoding, Integration, ParameterValue, Parameters, SHADOW_SAMPLES, Scene};
 use crate::shader::slots::{FOLDED, objects, qualified};
 use crate::shader::{Library, LinkError, Linker, Parameter, Slots};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::iter;
 
-/// Entry files of the shadow volume.
-const SHADOW_ENTRIES: [&str; 2] = ["march.vert", "shadow.frag"];
-/// Entry files of half-angle light.
-const LIGHT_ENTRIES: [&str; 2] = ["light.vert", "light.frag"];
-/// Entry files of a single sample.
-const PROBE_ENTRIES: [&str; 2] = ["march.vert", "probe.frag"];
-/// Entry files of the emptiness of cells.
-const CELL_ENTRIES: [&str; 2] = ["march.vert", "cell.frag"];
-/// Entry files of the depth of a picture.
-const DEPTH_ENTRIES: [&str; 2] = ["march.vert", "depth.frag"];
 /// Replacements, in programs of shadows and depth, of modules that color and light matter.
 const SHADOW_SLOTS: [(&str, &str); 4] =
     [("surface", "unlit"), ("medium", "material"), ("shadow", "none"), ("gradient", "analytic")];
 
-/// The modules of a scene's program.
+/// A checked scene with the modules of its program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variant {
+    /// The scene of the picture, also in variants for its shadows, light, depth and samples.
+    pub scene: Scene,
     /// Entry files in the library: vertex stage, fragment stage.
     pub entries: [&'static str; 2],
     /// The slots that the program reaches, with their modules.
@@ -43,8 +36,56 @@ pub struct Variant {
     pub looks_back: bool,
 }
 
+/// A [`Scene`], which is checked where it is used, or its [`Variant`], which is checked already.
+pub trait Checkable {
+    /// The checked scene.
+    ///
+    /// # Errors
+    /// As [`Variant::of`].
+    fn checked(&self, library: &Library) -> Result<Cow<'_, Variant>, VariantError>;
+}
+
+impl Checkable for Scene {
+    fn checked(&self, library: &Library) -> Result<Cow<'_, Variant>, VariantError> {
+        Variant::of(self, library).map(Cow::Owned)
+    }
+}
+
+impl Checkable for Variant {
+    fn checked(&self, _: &Library) -> Result<Cow<'_, Variant>, VariantError> {
+        Ok(Cow::Borrowed(self))
+    }
+}
+
+/// A program of a scene besides that of its picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// The shadow volume: matter without color. It reads no image that the picture does not.
+    Shadow,
+    /// Half-angle light.
+    Light,
+    /// The emptiness of cells.
+    Cells,
+    /// The depth of a picture by rays, with the samples of the picture.
+    Depth,
+    /// A single sample anywhere on a ray: the integrand of a picture.
+    Probe,
+}
+
+impl Purpose {
+    fn entries(self) -> [&'static str; 2] {
+        match self {
+            Purpose::Shadow => ["march.vert", "shadow.frag"],
+            Purpose::Light => ["light.vert", "light.frag"],
+            Purpose::Cells => ["march.vert", "cell.frag"],
+            Purpose::Depth => ["march.vert", "depth.frag"],
+            Purpose::Probe => ["march.vert", "probe.frag"],
+        }
+    }
+}
+
 impl Variant {
-    /// Selects the modules that `scene` needs out of `library`.
+    /// Checks a scene and selects the modules that it needs out of `library`.
     ///
     /// # Errors
     /// Those of [`Scene::check`].
@@ -72,7 +113,7 @@ impl Variant {
         }
         let (octaves, periods) = (scene.octaves_held(library), scene.periods(library));
         let (slots, looks_back) = (library.needed(&entries, &choice)?, scene.looks_back(library));
-        Ok(Variant { entries, slots, parameters, parts, octaves, periods, looks_back })
+        Ok(Variant { scene: scene.clone(), entries, slots, parameters, parts, octaves, periods, looks_back })
     }
 
     /// Whether rays find matter in a first phase and shade it in a second, which waits for the other rays of a group.
@@ -89,16 +130,13 @@ impl Variant {
 
     /// Whether all objects have hard surfaces.
     pub(crate) fn is_hard(&self) -> bool {
-        self.softness().all(|name| name == "hard")
+        let mut softness = self.slots.iter().filter(|(key, _)| slot_of(key) == "softness");
+        softness.all(|(_, names)| names.iter().all(|name| name == "hard"))
     }
 
     /// Whether a warp of any object moves lookups.
     pub(crate) fn has_warps(&self) -> bool {
         self.slots.iter().any(|(key, names)| slot_of(key) == "warp" && !names.is_empty())
-    }
-
-    fn softness(&self) -> impl Iterator<Item = &String> {
-        self.slots.iter().filter(|(key, _)| slot_of(key) == "softness").flat_map(|(_, names)| names)
     }
 
     /// The variant that finds and shades matter in one phase.
@@ -110,63 +148,23 @@ impl Variant {
         variant
     }
 
-    /// Modules of the shadow volume: matter without color. The program reads no image that the picture's does not.
+    /// Modules of another program of the scene.
     ///
     /// # Errors
     /// A module is missing, which [`Variant::of`] excludes.
-    pub fn shadow(&self, scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
-        self.of_light(scene, library, SHADOW_ENTRIES)
-    }
-
-    /// Modules of half-angle light.
-    ///
-    /// # Errors
-    /// As [`Variant::shadow`].
-    pub fn light(&self, scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
-        self.of_light(scene, library, LIGHT_ENTRIES)
-    }
-
-    /// Modules of the emptiness of cells, which are those of the shadow.
-    ///
-    /// # Errors
-    /// As [`Variant::shadow`].
-    pub fn cells(&self, scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
-        self.of_light(scene, library, CELL_ENTRIES)
-    }
-
-    /// Modules of the emptiness of cells with another opacity module.
-    ///
-    /// # Errors
-    /// As [`Variant::shadow`].
-    pub(crate) fn cells_by(&self, opacity: &str, scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
-        let mut variant = self.cells(scene, library)?;
-        if let Some(names) = variant.slots.get_mut("opacity") {
-            *names = vec![opacity.into()];
+    pub fn for_purpose(&self, purpose: Purpose, library: &Library) -> Result<Variant, VariantError> {
+        let is_light = !matches!(purpose, Purpose::Depth | Purpose::Probe);
+        let (mut scene, entries) = (self.scene.clone(), purpose.entries());
+        if is_light {
+            scene.quality.integration = Integration::Point; // a segment of the light holds many samples
+            scene.quality.samples = SHADOW_SAMPLES;
         }
-        Ok(variant)
-    }
-
-    fn of_light(&self, scene: &Scene, library: &Library, entries: [&'static str; 2]) -> Result<Variant, VariantError> {
-        let mut scene = scene.clone();
-        scene.quality.integration = Integration::Point; // a segment of the light holds many samples
-        scene.quality.samples = SHADOW_SAMPLES;
-        self.of_matter(&scene, library, entries)
-    }
-
-    /// Modules of the depth of a picture by rays, which takes the picture's samples.
-    ///
-    /// # Errors
-    /// As [`Variant::shadow`].
-    pub fn depth(&self, scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
-        self.of_matter(scene, library, DEPTH_ENTRIES)
-    }
-
-    fn of_matter(&self, scene: &Scene, library: &Library, entries: [&'static str; 2]) -> Result<Variant, VariantError> {
-        let is_light = entries != DEPTH_ENTRIES;
         let mut choice = scene.slots(library);
-        choice.extend(self.kept());
+        // All programs of a scene share the modules that sample the objects, and the parameters of 0.
+        let is_kept = |key: &str| slot_of(key) == "object" || key == FOLDED;
+        choice.extend(self.slots.iter().filter(|(key, _)| is_kept(key)).map(|(key, own)| (key.clone(), own.clone())));
         let fades = self.slots.iter().any(|(key, names)| is_light && key.ends_with("bandlimit") && names != &["none"]);
-        for (key, names) in &mut choice {
+        for (key, names) in choice.iter_mut().filter(|_| purpose != Purpose::Probe) {
             let slot = slot_of(key);
             if slot == "medium" && library.has_extinction(names) {
                 continue; // it sets the opacity of matter
@@ -179,23 +177,13 @@ impl Variant {
                 *names = own.cloned().unwrap_or_else(|| vec!["none".into()]);
             } else if slot == "empty_space" && names == &["skip"] && !scene.may_find_first(library) {
                 *names = vec!["leap".into()];
-            } else if slot == "filter" && entries == CELL_ENTRIES {
+            } else if slot == "filter" && purpose == Purpose::Cells {
                 *names = vec!["device".into()]; // bounds of texels, not samples
             } else if is_light && slot == "storage" && names == &["anisotropic"] {
                 *names = vec!["dense".into()]; // a sample of the light is wider than a pixel
             }
         }
         Ok(Variant { entries, slots: library.needed(&entries, &choice)?, ..self.clone() })
-    }
-
-    /// Modules of a single sample anywhere on a ray: the integrand of a picture.
-    ///
-    /// # Errors
-    /// A module is missing, which [`Variant::of`] excludes.
-    pub fn probe(&self, scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
-        let mut choice = scene.slots(library);
-        choice.extend(self.kept());
-        Ok(Variant { entries: PROBE_ENTRIES, slots: library.needed(&PROBE_ENTRIES, &choice)?, ..self.clone() })
     }
 
     /// Modules of a table; `entry` is the fragment stage.
@@ -205,13 +193,6 @@ impl Variant {
     pub fn table(&self, entry: &'static str, library: &Library) -> Result<Variant, VariantError> {
         let entries = ["march.vert", entry];
         Ok(Variant { entries, slots: library.needed(&entries, &self.slots)?, ..self.clone() })
-    }
-
-    /// Slots that all programs of a scene share: modules that sample the objects, and parameters of 0.
-    fn kept(&self) -> impl Iterator<Item = (String, Vec<String>)> {
-        let is_kept = |key: &String| key == "object" || key.ends_with(".object") || key == FOLDED;
-        let own = self.slots.iter().filter(move |(key, _)| is_kept(key));
-        own.map(|(key, names)| (key.clone(), names.clone()))
     }
 
     /// The module in a slot; `None` if the program does not reach the slot or its stack is empty.
@@ -234,11 +215,6 @@ impl Variant {
     /// Whether the program reads the closest points of the main object.
     pub fn reads_closest(&self) -> bool {
         self.module("project") == Some("closest")
-    }
-
-    /// Whether the program reads the closest points of an additional object.
-    pub fn part_reads_closest(&self, name: &str) -> bool {
-        self.module(&format!("{name}.project")) == Some("closest")
     }
 
     /// All parameters of the scene with their values, named as for `--set`: those of an additional object are
@@ -268,7 +244,7 @@ impl Variant {
     ) -> Result<Program, VariantError> {
         let key = self.key();
         let ships = shipped_programs().binary_search_by(|program| program.0.cmp(&key)).ok();
-        let ships = ships.filter(|_| self.entries != DEPTH_ENTRIES); // shares its modules with a picture
+        let ships = ships.filter(|_| self.entries != Purpose::Depth.entries()); // shares its modules with a picture
         let shipped = ships.filter(|_| *library == crate::shader::shipped()).and_then(|index| {
             let (_, vertex, fragment) = shipped_programs()[index];
             Some([program::words(vertex).ok()?, program::words(fragment).ok()?])

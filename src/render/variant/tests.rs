@@ -1,6 +1,6 @@
 //! Programs of scenes and their inputs.
 
-use super::{Program, Use, Variant};
+use super::{Program, Purpose, Use, Variant};
 use crate::scene::{EFFECTS, Scene, preset};
 use crate::shader::{self, Linker};
 
@@ -30,7 +30,7 @@ fn m19_the_six_effects_ship_as_linked_programs() {
             assert!(program(&scene).shipped, "{effect} on {object}");
             if scene.light.shadows {
                 let library = shader::shipped();
-                let shadow = Variant::of(&scene, &library).unwrap().shadow(&scene, &library).unwrap();
+                let shadow = Variant::of(&scene, &library).unwrap().for_purpose(Purpose::Shadow, &library).unwrap();
                 assert!(shadow.program(&library, Linker::new).unwrap().shipped, "shadows of {effect} on {object}");
             }
         }
@@ -100,7 +100,7 @@ fn p54_the_program_of_a_shadow_reads_no_image_that_the_picture_does_not() {
         (scene.object.input, scene.light.shadows) = (object.into(), true);
         let variant = Variant::of(&scene, &library).unwrap();
         let picture = variant.program(&library, Linker::new).unwrap();
-        let shadow = variant.shadow(&scene, &library).unwrap().program(&library, Linker::new).unwrap();
+        let shadow = variant.for_purpose(Purpose::Shadow, &library).unwrap().program(&library, Linker::new).unwrap();
         let images = shadow.resources.iter().filter(|resource| !matches!(resource.holds, Use::Block(_)));
         for image in images {
             assert!(picture.reads(&image.name), "{effect} on {object}: {}", image.name);

@@ -100,7 +100,7 @@ impl Ready<'_> {
         let (device, compile_ms) = match self {
             Ready::Picture(scene, renderer) => {
                 renderer.invalidate_shadows();
-                let m = renderer.render(scene)?.measurements;
+                let m = renderer.render(&**scene)?.measurements;
                 (Some(m.device_ms()), m.compile_ms)
             }
             Ready::Field(shape, request) => {
@@ -157,7 +157,7 @@ fn timed(
     for row in group {
         let mut one = match &row.work {
             Work::Picture(scene) => {
-                let subject = Subject::load(scene, library, &|_| ()).map_err(fails(row))?;
+                let subject = Subject::load(&**scene, library, &|_| ()).map_err(fails(row))?;
                 Ready::Picture(scene.clone(), Box::new(Renderer::new(gpu, library, &subject)))
             }
             Work::Field(shape, request) => Ready::Field(shape, request),

@@ -3,6 +3,7 @@
 use super::lab::number;
 use super::lab::{CaseError, Lab, Rows, same};
 use crate::statistics::{largest, rms_difference};
+use hypertexture::render::variant::Variant;
 use hypertexture::render::{RenderError, warnings};
 use hypertexture::scene::{Effect, EmptySpace, ParameterValue, Scene, preset};
 use hypertexture::shader::ParameterKind;
@@ -156,7 +157,8 @@ pub(super) fn warned(lab: &Lab<'_>, rows: &mut Rows) -> Result<(), CaseError> {
         }
         let subject = lab.subject(&scene)?;
         let frame = lab.render(&scene, &subject)?;
-        let lines = warnings(&frame.measurements, &scene, &subject, &lab.library).map_err(RenderError::from)?;
+        let variant = Variant::of(&scene, &lab.library).map_err(RenderError::from)?;
+        let lines = warnings(&frame.measurements, &variant, &subject);
         let ok = if line.is_empty() { lines.is_empty() } else { lines.iter().any(|found| found.contains(line)) };
         let setting = changes.iter().map(|(field, value)| format!("{field} = {value}")).collect::<Vec<_>>().join(", ");
         let what = if case == 0 { "no warning".into() } else { format!("{input}: warning (case {case})") };

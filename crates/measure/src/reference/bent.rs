@@ -8,7 +8,6 @@ use super::{Reference, ReferenceError, Stop, go_on};
 use hypertexture::eval;
 use hypertexture::render::variant::{Program, Variant, VariantError};
 use hypertexture::render::{CpuInputs, OCTAVES_ID, Subject};
-use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -25,7 +24,7 @@ const TOGETHER: usize = 16;
 /// The light of some pixels, and by how much twice the steps changed it.
 pub(super) fn reference(
     library: &Library,
-    truth: &Scene,
+    truth: &Variant,
     subject: &Subject,
     pixels: &[[u32; 2]],
     tolerance: f64,
@@ -49,7 +48,7 @@ pub(super) fn reference(
     }
     progress(1.0);
     let open = vec![1.0; pixels.len()]; // no bounds follow a ray that bends
-    Ok(Reference { size: truth.image.size, pixels: found, estimate, open })
+    Ok(Reference { size: truth.scene.image.size, pixels: found, estimate, open })
 }
 
 /// The program that follows rays through glass.
@@ -60,27 +59,25 @@ pub(super) fn linked(variant: &Variant, library: &Library) -> Result<Program, Va
 /// The program of a picture through glass.
 struct Glass<'a> {
     library: &'a Library,
-    truth: &'a Scene,
     subject: &'a Subject,
-    variant: Variant,
+    variant: &'a Variant,
     linked: Program,
     program: eval::Program,
 }
 
 impl<'a> Glass<'a> {
-    fn new(library: &'a Library, truth: &'a Scene, subject: &'a Subject) -> Result<Glass<'a>, ReferenceError> {
-        let variant = Variant::of(truth, library)?;
-        let linked = linked(&variant, library)?;
-        let program = eval::Program::read(&linked.fragment, &[(OCTAVES_ID, truth.effect.octaves)])?;
-        Ok(Glass { library, truth, subject, variant, linked, program })
+    fn new(library: &'a Library, variant: &'a Variant, subject: &'a Subject) -> Result<Glass<'a>, ReferenceError> {
+        let linked = linked(variant, library)?;
+        let program = eval::Program::read(&linked.fragment, &[(OCTAVES_ID, variant.scene.effect.octaves)])?;
+        Ok(Glass { library, subject, variant, linked, program })
     }
 
     /// The light of some pixels, by so many steps through the scene.
     fn light(&self, steps: u32, pixels: &[[u32; 2]], stop: Stop<'_>) -> Result<Vec<[f64; 4]>, ReferenceError> {
-        let Glass { library, truth, subject, variant, linked, program } = self;
-        let mut scene = (*truth).clone();
-        scene.quality.samples = steps;
-        let cpu_inputs = CpuInputs::new(library, &scene, subject, variant, linked)?;
+        let Glass { library, subject, variant, linked, program } = self;
+        let mut variant = (*variant).clone();
+        variant.scene.quality.samples = steps;
+        let cpu_inputs = CpuInputs::new(library, &variant, subject, linked)?;
         let moments = cpu_inputs.moments(linked)?;
         let mut inputs = cpu_inputs.exact();
         let mut quads: BTreeMap<[u32; 2], [[f64; 4]; 4]> =

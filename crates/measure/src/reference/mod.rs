@@ -14,7 +14,7 @@ mod transport;
 
 use crate::statistics::rms;
 use hypertexture::eval::ExactError;
-use hypertexture::render::variant::{Variant, VariantError};
+use hypertexture::render::variant::{Checkable, Variant, VariantError};
 use hypertexture::render::{RenderError, Subject};
 use hypertexture::scene::{
     BlockFormat, Effect, EmptySpace, Filter, Integration, Jitter, LightMethod, Order, Pass, Proxy, Quality, RayPath,
@@ -190,12 +190,12 @@ pub fn reference(
     progress: &(dyn Fn(f32) + Sync),
     stop: Stop<'_>,
 ) -> Result<Reference, ReferenceError> {
-    let truth = truth_of(scene, library).map_err(VariantError::from)?;
+    let truth = Variant::of(&truth_of(scene, library).map_err(VariantError::from)?, library)?;
     let key = store::key(&truth, library, subject, tolerance)?;
-    if let Some(found) = store::load(key, truth.image.size) {
+    if let Some(found) = store::load(key, truth.scene.image.size) {
         return Ok(found);
     }
-    let [width, height] = truth.image.size;
+    let [width, height] = truth.scene.image.size;
     let pixels: Vec<[u32; 2]> = (0..height).flat_map(|y| (0..width).map(move |x| [x, y])).collect();
     let found = reference_pixels(library, &truth, subject, &pixels, tolerance, progress, stop)?;
     store::save(key, &found);
@@ -213,17 +213,18 @@ pub fn computed_together(scene: &Scene) -> usize {
 /// As [`reference()`].
 pub fn reference_pixels(
     library: &Library,
-    truth: &Scene,
+    truth: &impl Checkable,
     subject: &Subject,
     pixels: &[[u32; 2]],
     tolerance: f64,
     progress: &(dyn Fn(f32) + Sync),
     stop: Stop<'_>,
 ) -> Result<Reference, ReferenceError> {
-    if truth.effect.ray_path == RayPath::Refracted {
-        return bent::reference(library, truth, subject, pixels, tolerance, progress, stop);
+    let truth = truth.checked(library)?;
+    if truth.scene.effect.ray_path == RayPath::Refracted {
+        return bent::reference(library, &truth, subject, pixels, tolerance, progress, stop);
     }
-    let (probe, mut inputs) = Probe::new(library, truth, subject)?;
+    let (probe, mut inputs) = Probe::new(library, &truth, subject)?;
     let (count, done) = (probe.moments.len(), AtomicUsize::new(0));
     let mut sum = vec![([0.0; 4], 0.0, 0.0); pixels.len()];
     // Neighboring rays are integrated together.
@@ -249,7 +250,7 @@ pub fn reference_pixels(
         }
     }
     let (pixels, (estimate, open)) = sum.into_iter().map(|(pixel, error, open)| (pixel, (error, open))).unzip();
-    Ok(Reference { size: truth.image.size, pixels, estimate, open })
+    Ok(Reference { size: truth.scene.image.size, pixels, estimate, open })
 }
 
 #[cfg(test)]

@@ -4,9 +4,8 @@ use super::transport::Matter;
 use super::{ReferenceError, Stop, go_on};
 use hypertexture::eval;
 use hypertexture::noise::Lattice;
-use hypertexture::render::variant::{Program, Variant, VariantError};
+use hypertexture::render::variant::{Program, Purpose, Variant, VariantError};
 use hypertexture::render::{Blocks, CpuInputs, LOOKED_UP, OCTAVES_ID, Subject, bounded};
-use hypertexture::scene::Scene;
 use hypertexture::shader::{Library, Linker};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -48,17 +47,17 @@ pub(super) struct Linked {
 }
 
 impl Linked {
-    /// Those of a scene and its variant.
-    pub(super) fn of(own: &Variant, truth: &Scene, library: &Library) -> Result<Linked, VariantError> {
-        let variant = own.probe(truth, library)?;
+    /// Those of a scene.
+    pub(super) fn of(own: &Variant, library: &Library) -> Result<Linked, VariantError> {
+        let variant = own.for_purpose(Purpose::Probe, library)?;
         let drawn = || variant.program(library, Linker::new);
         let (program, bounded) = rayon::join(drawn, || bounded(&variant, library));
         let program = program?;
         let Some((bounded, noise)) = bounded else {
             return Ok(Linked { variant, bounded: program.clone(), program, noise: None });
         };
-        let image = bounded.resources.iter().find(|resource| resource.name == LOOKED_UP).map(|image| image.binding);
-        Ok(Linked { variant, program, bounded, noise: image.map(|image| (image, noise)) })
+        let noise = bounded.binding(LOOKED_UP).map(|image| (image, noise));
+        Ok(Linked { variant, program, bounded, noise })
     }
 }
 
@@ -79,8 +78,7 @@ impl Caster {
     fn key(&self, blocks: &Blocks, inputs: &eval::Inputs) -> blake3::Hash {
         let mut hash = blake3::Hasher::new();
         hash.update(bytemuck::cast_slice(&self.linked.fragment)).update(&self.octaves.to_le_bytes());
-        let filled = blocks.iter().map(|(binding, bytes)| (*binding, bytes.as_slice()));
-        hash.update(&self.linked.parts_read(&self.linked.members_read(), filled));
+        hash.update(&self.linked.parts_read(&self.linked.members_read(), blocks));
         for resource in &self.linked.resources {
             if let Some(image) = inputs.images.get(&resource.binding) {
                 hash.update(bytemuck::cast_slice(&image.size)).update(bytemuck::cast_slice(&image.texels));
@@ -106,22 +104,22 @@ impl Probe {
     /// The probe of a scene, and its images and samplers.
     pub(super) fn new(
         library: &Library,
-        truth: &Scene,
+        own: &Variant,
         subject: &Subject,
     ) -> Result<(Probe, eval::Inputs), ReferenceError> {
+        let truth = &own.scene;
         if truth.effect.classify == "stack" {
             return Err(ReferenceError::NoLimit("effect.classify = \"stack\" shows the slices themselves"));
         }
         if truth.is_half_angle() {
             return Err(ReferenceError::NoLimit("light.translucency is blurred from slice to slice"));
         }
-        let own = Variant::of(truth, library)?;
-        let Linked { variant, program, bounded, noise } = Linked::of(&own, truth, library)?;
-        let cpu_inputs = CpuInputs::new(library, truth, subject, &variant, &program)?;
+        let Linked { variant, program, bounded, noise } = Linked::of(own, library)?;
+        let cpu_inputs = CpuInputs::new(library, &variant, subject, &program)?;
         let octaves = [(OCTAVES_ID, truth.effect.octaves)];
         let shadow = match CpuInputs::shadow_binding(&program) {
             None => None,
-            Some(binding) => Some((binding, own.shadow(truth, library)?.program(library, Linker::new)?)),
+            Some(binding) => Some((binding, own.for_purpose(Purpose::Shadow, library)?.program(library, Linker::new)?)),
         };
         let blocks = cpu_inputs.moments(&program)?.into_iter().zip(cpu_inputs.moments(&bounded)?);
         let mut moments: Vec<Moment> =

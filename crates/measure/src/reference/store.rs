@@ -2,8 +2,8 @@
 
 use super::Reference;
 use hypertexture::output::shard;
+use hypertexture::render::variant::Variant;
 use hypertexture::render::{RenderError, Subject};
-use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
 use support::disk_cache::{self, Kind};
 
@@ -14,7 +14,7 @@ const KIND: Kind = Kind { ends: &["reference"], limit: 256 << 20 };
 
 /// Cache key of a [`super::truth_of`] scene: the hash of all inputs of its reference.
 pub(super) fn key(
-    truth: &Scene,
+    truth: &Variant,
     library: &Library,
     subject: &Subject,
     tolerance: f64,

@@ -77,7 +77,7 @@ fn wrong(scene: &Scene, rays: usize, count: usize, random: &mut SplitMix) -> (Ve
     let library = shader::shipped();
     let truth = truth_of(scene, &library).unwrap();
     let subject = Subject::load(&truth, &library, &|_| ()).unwrap();
-    let (probe, mut inputs) = Probe::new(&library, &truth, &subject).unwrap();
+    let (probe, mut inputs) = Probe::new(&library, &Variant::of(&truth, &library).unwrap(), &subject).unwrap();
     probe.set(&probe.moments[0], &mut inputs, &|| false).unwrap();
     let (bound, bounds) =
         (probe.program.bind(&inputs).unwrap(), probe.opacity.bind_with(&inputs, &probe.moments[0].opacity).unwrap());
@@ -208,7 +208,7 @@ fn p24_matter_is_where_rays_and_slices_look_and_a_leap_passes_none() {
         (scene.light.shadows, scene.quality.block_size) = (false, 32);
         let scene = converged_settings(&scene);
         let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
-        let (probe, mut inputs) = Probe::new(&library, &scene, &subject).unwrap();
+        let (probe, mut inputs) = Probe::new(&library, &Variant::of(&scene, &library).unwrap(), &subject).unwrap();
         probe.set(&probe.moments[0], &mut inputs, &|| false).unwrap();
         let bound: BoundProgram<'_> = probe.program.bind(&inputs).unwrap();
         let mut random = SplitMix(3);

@@ -109,7 +109,7 @@ impl App {
     fn half_height(&self) -> Option<f32> {
         let Variant { scene, library, subject } = self.jobs.submitted.as_ref()?.variants.first()?;
         let variant = Program::of(scene, library).ok()?;
-        Some(render::half_height(scene, subject, &variant))
+        Some(render::half_height(&variant, subject))
     }
 
     fn turn(&mut self) {

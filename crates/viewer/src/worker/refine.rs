@@ -9,6 +9,7 @@ use crate::mean::{Mean, resampled};
 use crate::progressive::{FEWEST, MOST, number, reference, tiles};
 use crate::status::Stage;
 use hypertexture::gpu::Area;
+use hypertexture::render::variant::Variant as Program;
 use hypertexture::render::{Measurements, RenderError, Renderer, describe_frame, paste_areas, unused_overrides};
 use hypertexture::scene::{Scene, nearest_preset};
 use hypertexture::shader::shipped;
@@ -181,12 +182,8 @@ impl RenderThread {
             };
             gpu_ms += drawn.ms;
             if let (0, Some(measurements)) = (index, &drawn.measurements) {
-                (self.send)(Event::Made(describe_frame(
-                    measurements,
-                    &variant.scene,
-                    &variant.subject,
-                    &variant.library,
-                )?));
+                let program = Program::of(&variant.scene, &variant.library)?;
+                (self.send)(Event::Made(describe_frame(measurements, &program, &variant.subject, &variant.library)));
             }
         }
         accumulation.gpu_ms = gpu_ms;

@@ -48,7 +48,7 @@ impl VariantRenderers {
 
 /// View of a variant.
 pub(crate) fn sight(variant: &Variant) -> Result<ViewPose, VariantError> {
-    Ok(ViewPose::of(&variant.scene, &variant.subject, &Program::of(&variant.scene, &variant.library)?))
+    Ok(ViewPose::of(&Program::of(&variant.scene, &variant.library)?, &variant.subject))
 }
 
 /// The scene with the other pass, if that is valid.
