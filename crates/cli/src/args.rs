@@ -72,15 +72,9 @@ pub enum Command {
     Completions(Completions),
     /// Write a manual page, for `man`, to standard output.
     Man(Man),
-    /// Draw the pictures that standard input asks for: the worker of `compare`, `gallery` and `--max-error`.
+    /// Answer the requests of the parent on standard input: a child process of this program.
     #[command(hide = true)]
-    Draw,
-    /// Compile the job on standard input: a program with a user's GLSL.
-    #[command(hide = true)]
-    Compile(Compile),
-    /// Try the user's modules of the scene on standard input.
-    #[command(hide = true)]
-    Try(Try),
+    Job,
 }
 
 /// Arguments of `doctor`.
@@ -103,23 +97,4 @@ pub struct Completions {
 pub struct Man {
     /// Command of the page, such as render [default: the program].
     pub command: Option<String>,
-}
-
-/// Arguments of `compile`: the limits of the process.
-#[derive(Args)]
-pub struct Compile {
-    /// Time of the processor, seconds.
-    #[arg(long, default_value_t = 10)]
-    pub seconds: u64,
-    /// Address space, MiB.
-    #[arg(long, default_value_t = 1024)]
-    pub memory_mib: u64,
-}
-
-/// Arguments of `try`: the limit of the process.
-#[derive(Args)]
-pub struct Try {
-    /// Time of the processor, seconds.
-    #[arg(long, default_value_t = 10)]
-    pub seconds: u64,
 }

@@ -20,6 +20,7 @@ use measure::{guard, worker};
 use std::error::Error;
 use std::ffi::OsString;
 use std::process::ExitCode;
+use support::jobs::Parent;
 
 /// Messages of Rust about numbers, and plainer ones.
 const NUMBERS: [(&str, &str); 3] = [
@@ -167,14 +168,14 @@ pub(crate) fn carry_out(command: Command, options: &Options, quiet: bool) -> Res
             say(&manual::page(command.command.as_deref())?);
             Ok(())
         }
-        Command::Draw => Ok(worker::serve(std::io::stdin().lock(), &mut std::io::stdout().lock(), options)?),
-        Command::Compile(limits) => {
-            compile::limit(limits.seconds, Some(limits.memory_mib))?;
-            Ok(compile::serve(std::io::stdin().lock(), &mut std::io::stdout().lock())?)
-        }
-        Command::Try(limits) => {
-            compile::limit(limits.seconds, None)?;
-            Ok(guard::serve(std::io::stdin().lock(), &mut std::io::stdout().lock(), options)?)
+        Command::Job => {
+            let (job, parent) = Parent::accept()?;
+            match &*job {
+                compile::JOB => Ok(compile::serve(parent)?),
+                guard::JOB => Ok(guard::serve(parent, options)?),
+                worker::JOB => Ok(worker::serve(parent, options)?),
+                job => Err(format!("no job `{job}`").into()),
+            }
         }
     }
 }

@@ -2,24 +2,24 @@
 //! compiler, the evaluator or the driver becomes one line of text.
 //!
 //! Role: [`try_modules`] links the programs of a scene, evaluates some places of its picture, and renders a few rays of a
-//! shipped object, all in a child: this program with a hidden command ([`serve`]). Invariant: one budget of processor time and
-//! memory ([`limits`]); a scene of shipped modules starts no child.
+//! shipped object, all in a child ([`serve`]). Invariant: one budget of processor time and memory ([`limits`]); a scene of
+//! shipped modules starts no child.
 
 use hypertexture::gpu::{Gpu, Options};
 use hypertexture::render::variant::{Checkable, Purpose, Variant, VariantError};
 use hypertexture::render::{RenderError, Renderer, Subject, link_cells, try_custom_modules};
 use hypertexture::scene::{self, Object, Scene};
-use hypertexture::shader::compile::{self, Answer, CompileError, Failure, Limits, Trial, read, reply, stage};
+use hypertexture::shader::compile::{self, CompileError};
 use hypertexture::shader::{self, Library, Linker};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::io::{self, Read, Write};
+use std::io;
 use std::path::Path;
-use std::time::Duration;
+use support::jobs::{Child, Ended, Limits, Parent};
 use support::watchdog::processor_time;
 
-/// Name of the hidden command.
-pub const COMMAND: &str = "try";
+/// Name of the job.
+pub const JOB: &str = "try";
 /// Pixels along a side of the picture.
 const SIDE: u32 = 8;
 /// Number of rays of the picture.
@@ -35,8 +35,8 @@ const RESOLUTION: u32 = 32;
 const SLOW_MS: f64 = 1000.0;
 
 /// Limits of a trial, over all of its threads.
-pub fn limits() -> Limits {
-    Limits { time: Duration::from_secs(10), memory_mib: 2048, answer_bytes: 1 << 16 }
+fn limits() -> Limits {
+    Limits { memory_mib: 2048, ..Limits::default() }
 }
 
 /// A scene, and the modules that differ from the shipped ones.
@@ -46,6 +46,17 @@ struct Job {
     scene: String,
     changed: BTreeMap<String, String>,
     draws: bool,
+}
+
+/// Verdict on a scene.
+#[derive(Debug, Serialize, Deserialize)]
+enum Answer {
+    /// The modules are good; milliseconds of the rays, if drawn.
+    Good(Option<f64>),
+    /// They are refused, with the reason.
+    Bad(String),
+    /// They could not be tried, with the reason.
+    Untried(String),
 }
 
 /// Files of a scene's programs that differ from the shipped ones.
@@ -110,77 +121,75 @@ pub fn try_modules(
     let mut bare = scene.checked(library).map_err(refused)?.into_owned().scene;
     bare.modules.clear(); // their texts are in `changed`
     let job = Job { scene: scene::to_text(&bare), changed, draws: device.is_some() };
-    let limits = limits();
-    let trial = Trial {
-        program,
-        arguments: &[COMMAND, "--seconds", &limits.time.as_secs().to_string()],
-        device,
-        limits: &limits,
-        failed,
-    };
-    match trial.ask::<Option<f64>>(&job, is_stale) {
-        Ok(Answer::Good(ms)) => Ok(ms),
-        Ok(Answer::Bad(text)) => Err(CompileError::Refused(text)),
-        Ok(Answer::Untried(reason)) => {
-            log::debug!("{names}: no rays are tried: {reason}");
-            Ok(None)
+    let mut stages = 0;
+    let answer = Child::start(program, device, JOB, &limits()).and_then(|mut child| {
+        child.send(&job);
+        loop {
+            match child.receive::<Option<Answer>>(is_stale)?.0 {
+                None => stages += 1,
+                Some(answer) => return Ok(answer),
+            }
         }
-        Err(error @ (CompileError::Abandoned | CompileError::Run { .. })) => Err(error),
-        Err(error) => Err(CompileError::Refused(format!("{names}: {error}"))),
-    }
+    });
+    let error = match (answer, stages) {
+        (Ok(Answer::Good(ms)), _) => return Ok(ms),
+        (Ok(Answer::Bad(text)), _) => return Err(CompileError::Refused(text)),
+        (Ok(Answer::Untried(reason)), _) => {
+            log::debug!("{names}: no rays are tried: {reason}");
+            return Ok(None);
+        }
+        (Err(ended @ (Ended::Cancelled | Ended::Unfit(_))), _) => return Err(CompileError::of(ended, program)),
+        (Err(ended), 0) => CompileError::of(ended, program),
+        (Err(ended), 1) => CompileError::Evaluated(ended.to_string()),
+        (Err(Ended::Late(seconds)), _) => CompileError::Endless { rays: RAYS, seconds },
+        (Err(ended), _) => CompileError::Driver(ended.to_string()),
+    };
+    Err(CompileError::Refused(format!("{names}: {error}")))
 }
 
-/// The error of a child that failed after this many stages.
-fn failed(stages: usize, failure: Failure) -> CompileError {
-    match stages {
-        0 => compile::compiler(failure),
-        1 => CompileError::Evaluated(failure.to_string()),
-        _ => match failure {
-            Failure::Late(seconds) => CompileError::Endless { rays: RAYS, seconds },
-            failure => CompileError::Driver(failure.to_string()),
-        },
-    }
-}
-
-/// The child process: reads a scene, tries it, and answers.
+/// The child process: reads a scene, tries it, and answers; `None` marks the end of a stage.
 ///
 /// # Errors
 /// The scene cannot be read, or the answer not be written.
-pub fn serve(input: impl Read, output: &mut impl Write, options: &Options) -> io::Result<()> {
-    let job: Job = read(input)?;
+pub fn serve(mut parent: Parent, options: &Options) -> io::Result<()> {
+    parent.enforce(true)?;
+    let Some(job) = parent.request()? else { return Ok(()) };
+    let answer = tried(job, options, &mut || parent.tell(&None::<Answer>, &[]))?;
+    parent.tell(&Some(answer), &[])
+}
+
+/// Verdict on a scene; `stage` is called at the end of each stage.
+fn tried(job: Job, options: &Options, stage: &mut dyn FnMut() -> io::Result<()>) -> io::Result<Answer> {
     let scene = scene::parse(&job.scene, "scene").map_err(|error| io::Error::other(error.to_string()))?;
     let library = shader::shipped_with(job.changed).compiled_with_limits();
-    let refused = |error: &dyn ToString| Answer::<Option<f64>>::Bad(error.to_string());
     if let Err(error) = link(&scene, &library) {
-        return reply(output, &refused(&error));
+        return Ok(Answer::Bad(error.to_string()));
     }
-    stage(output)?;
+    stage()?;
     let load = || -> Result<(Variant, Subject), RenderError> {
         let small = Variant::of(&small(&scene), &library)?;
         let subject = Subject::load(&small, &library, &|_| ())?;
         Ok((small, subject))
     };
-    let answer = match load() {
-        // A missing object is not a fault of the modules.
-        Err(error) => Answer::Untried(error.to_string()),
-        Ok((small, subject)) => match try_custom_modules(&library, &small, &subject) {
-            Err(error) => refused(&error),
-            Ok(_) if !job.draws => Answer::Good(None),
-            Ok(_) => {
-                stage(output)?;
-                match Gpu::new(&Options { validation: false, cache: None, ..options.clone() }) {
-                    Err(error) => Answer::Untried(error.to_string()), // nor does a device
-                    Ok(gpu) => match drawn(&gpu, &library, &small, &subject) {
-                        Ok(ms) => Answer::Good(Some(ms)),
-                        // The stand-in may be infinite where the object is not.
-                        Err(RenderError::NotFinite { .. }) => Answer::Good(None),
-                        Err(error) => refused(&error),
-                    },
-                }
-            }
-        },
+    let (small, subject) = match load() {
+        Ok(loaded) => loaded,
+        Err(error) => return Ok(Answer::Untried(error.to_string())), // a missing object is not a fault of the modules
     };
-    reply(output, &answer)
+    match try_custom_modules(&library, &small, &subject) {
+        Err(error) => return Ok(Answer::Bad(error.to_string())),
+        Ok(_) if !job.draws => return Ok(Answer::Good(None)),
+        Ok(_) => stage()?,
+    }
+    let gpu = match Gpu::new(&Options { validation: false, cache: None, ..options.clone() }) {
+        Ok(gpu) => gpu,
+        Err(error) => return Ok(Answer::Untried(error.to_string())), // nor is a missing device
+    };
+    Ok(match drawn(&gpu, &library, &small, &subject) {
+        Ok(ms) => Answer::Good(Some(ms)),
+        // The stand-in may be infinite where the object is not.
+        Err(RenderError::NotFinite { .. }) => Answer::Good(None),
+        Err(error) => Answer::Bad(error.to_string()),
+    })
 }
 
 /// Links the programs of a scene, which caches them on disk.

@@ -1,10 +1,10 @@
 //! Utilities of every layer: atomic file writes, a disk cache, child processes under limits, random numbers, text for people.
 
-pub mod child;
 pub mod disk_cache;
 #[doc(hidden)] // for tests
 pub mod faults;
 mod files;
+pub mod jobs;
 pub mod memory;
 pub mod open;
 pub mod random;

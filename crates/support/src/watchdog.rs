@@ -2,7 +2,6 @@
 //!
 //! Invariant: time limits are of processor time, so that a busy machine refuses nothing.
 
-use std::process::ExitStatus;
 use std::time::{Duration, Instant};
 
 /// Idle time that a process may spend, over its limit of processor time: in a deadlock, or waiting for others.
@@ -78,15 +77,6 @@ pub fn memory(id: u32) -> Option<u64> {
     const PAGE: u64 = 4096; // or more
     let text = std::fs::read_to_string(format!("/proc/{id}/statm")).ok()?;
     text.split(' ').nth(1)?.parse::<u64>().ok().map(|pages| pages * PAGE)
-}
-
-/// How a process ended, as text.
-pub fn describe(status: ExitStatus) -> String {
-    #[cfg(unix)]
-    if let Some(signal) = std::os::unix::process::ExitStatusExt::signal(&status) {
-        return format!("signal {signal}");
-    }
-    status.to_string()
 }
 
 #[cfg(test)]

@@ -1,20 +1,19 @@
 //! Linking user modules in a child process under limits.
 //!
 //! Role: glslang crashes on an expression of 20 000 terms and never ends on a macro that doubles thirty times, so user text is
-//! compiled by this program with a hidden command: it links a [`Job`] and answers with the programs.
+//! compiled in a child, which links a [`Job`] and answers with the programs.
 
 use super::allowed::refusal;
-use super::ask::{Answer, Failure, Trial, read, reply};
 use super::error::{CompileError, Fault, MAX_SOURCE};
 use crate::shader::{self, Library, LinkError, Linker, Slots, Stage};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::io::{self, Read, Write};
+use std::io;
 use std::path::Path;
-use support::child::Limits;
+use support::jobs::{Child, Limits, Parent};
 
-/// The hidden command.
-pub const COMMAND: &str = "compile";
+/// Name of the job.
+pub const JOB: &str = "compile";
 
 /// A request to link programs.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -53,18 +52,14 @@ pub fn compile(
     is_stale: &dyn Fn() -> bool,
 ) -> Result<Vec<Stages>, CompileError> {
     check_lengths(&job.changed)?;
-    let (seconds, memory) = (limits.time.as_secs().max(1).to_string(), limits.memory_mib.to_string());
-    let trial = Trial {
-        program,
-        arguments: &[COMMAND, "--seconds", &seconds, "--memory-mib", &memory],
-        device: None,
-        limits,
-        failed: |_, failure| compiler(failure),
-    };
-    match trial.ask(job, is_stale)? {
-        Answer::Good(programs) => Ok(programs),
-        Answer::Bad(text) if text == LinkError::Memory.to_string() => Err(CompileError::Memory(limits.memory_mib)),
-        Answer::Bad(text) | Answer::Untried(text) => Err(CompileError::Refused(text)),
+    let answer = Child::start(program, None, JOB, limits).and_then(|mut child| {
+        child.send(job);
+        child.receive::<Result<_, String>>(is_stale)
+    });
+    match answer.map_err(|ended| CompileError::of(ended, program))?.0 {
+        Ok(programs) => Ok(programs),
+        Err(text) if text == LinkError::Memory.to_string() => Err(CompileError::Memory(limits.memory_mib)),
+        Err(text) => Err(CompileError::Refused(text)),
     }
 }
 
@@ -76,22 +71,14 @@ pub fn check_lengths(changed: &BTreeMap<String, String>) -> Result<(), CompileEr
     }
 }
 
-/// The error for a failure of the compiler.
-pub fn compiler(failure: Failure) -> CompileError {
-    match failure {
-        Failure::Crashed(how) => CompileError::Crashed(how),
-        Failure::Late(seconds) => CompileError::Late(seconds),
-        Failure::Large(mib) => CompileError::Memory(mib),
-    }
-}
-
 /// Child's side: reads a job, links its programs and answers.
 ///
 /// # Errors
 /// The job cannot be read, or the answer not be written.
-pub fn serve(input: impl Read, output: &mut impl Write) -> io::Result<()> {
-    let job: Job = read(input)?;
-    reply(output, &link(&job).map_or_else(|error| Answer::Bad(error.to_string()), Answer::Good))
+pub fn serve(mut parent: Parent) -> io::Result<()> {
+    parent.enforce(false)?;
+    let Some(job) = parent.request()? else { return Ok(()) };
+    parent.tell(&link(&job).map_err(|error| error.to_string()), &[])
 }
 
 /// The changed files as a list for messages.

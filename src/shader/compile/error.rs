@@ -1,6 +1,7 @@
 //! Errors of user text, with their places.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use support::jobs::Ended;
 
 /// Longest module text that is compiled, in bytes.
 pub(super) const MAX_SOURCE: usize = 256 << 10;
@@ -76,6 +77,19 @@ pub enum CompileError {
         /// The reason.
         reason: String,
     },
+}
+
+impl CompileError {
+    /// The error of a compiler in a child process of `program`.
+    pub fn of(ended: Ended, program: &Path) -> CompileError {
+        match ended {
+            Ended::Crashed(how) => CompileError::Crashed(how),
+            Ended::Late(seconds) => CompileError::Late(seconds),
+            Ended::Large(mib) => CompileError::Memory(mib),
+            Ended::Cancelled => CompileError::Abandoned,
+            Ended::Unfit(reason) => CompileError::Run { path: program.into(), reason },
+        }
+    }
 }
 
 /// One error in a text.

@@ -35,7 +35,7 @@ fn device() -> Option<String> {
 fn broken(folder: &Path, crashes: &str, hangs: &str) -> Start {
     let program = folder.join("broken");
     let text = format!(
-        "#!/usr/bin/perl\nopen(my $real, '|-', '{}', 'draw') or die;\nselect($real);\n$| = 1;\n\
+        "#!/usr/bin/perl\nopen(my $real, '|-', '{}', 'job') or die;\nselect($real);\n$| = 1;\n\
          while (<STDIN>) {{ kill 'SEGV', $$ if {crashes}; while ({hangs}) {{}} print; }}\n",
         env!("CARGO_BIN_EXE_hypertexture")
     );

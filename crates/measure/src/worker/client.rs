@@ -1,17 +1,14 @@
 //! The parent's side: starts the process, limits it, and restarts it.
 
-use super::protocol::{Answer, COMMAND, Load, Request, Task, line};
+use super::{Drawn, Failed, JOB, Load, Request, Task};
 use hypertexture::gpu::Gpu;
 use hypertexture::render::{Frame, RenderError, Renderer, Subject};
 use hypertexture::scene::{Scene, to_text};
 use hypertexture::shader::{self, Library};
 use std::cell::RefCell;
-use std::io::{BufRead, BufReader, Write};
 use std::path::PathBuf;
-use std::process::{Child, ChildStdin, Command, Stdio};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
-use support::watchdog::{Excess, Watchdog, describe, memory};
+use support::jobs::{Child, Ended, Limits};
 
 /// Processor time allowed for a picture of any size: device, object, pipeline.
 pub const PATIENCE: Duration = Duration::from_secs(120);
@@ -20,10 +17,8 @@ const SECONDS_PER_SAMPLE: f64 = 1e-5;
 /// Memory after a picture from which the process is replaced: lavapipe retains hundreds of megabytes for each picture of a
 /// large program.
 const RETAINED_MEMORY: u64 = 4 << 30;
-/// Largest memory during a picture.
-const PEAK_MEMORY: u64 = 12 << 30;
-/// Interval between checks of the limits.
-const POLL: Duration = Duration::from_millis(20);
+/// Largest memory during a picture, MiB.
+const PEAK_MEMORY_MIB: u64 = 12 << 10;
 
 /// Start options of a worker.
 #[derive(Clone, Debug)]
@@ -39,13 +34,13 @@ pub struct Start {
 /// A child process that renders one object.
 pub struct Worker {
     start: Start,
-    task: String,
+    task: Task,
     state: RefCell<State>,
 }
 
 #[derive(Default)]
 struct State {
-    process: Option<Process>,
+    process: Option<Child>,
     /// Number of processes started.
     generation: u64,
     /// Number of painters created.
@@ -55,8 +50,24 @@ struct State {
 impl Worker {
     /// A worker for an object and the modules of a library; its process starts with the first picture.
     pub fn new(start: &Start, library: &Library, load: Load) -> Worker {
-        let task = line(&Task { load, changed: shader::changed(library) });
+        let task = Task { load, changed: shader::changed(library) };
         Worker { start: start.clone(), task, state: RefCell::default() }
+    }
+
+    fn start(&self) -> Result<Child, RenderError> {
+        let Start { program, device, patience } = &self.start;
+        let limits = Limits { time: *patience, memory_mib: PEAK_MEMORY_MIB, ..Limits::default() };
+        let started = Child::start(program, device.as_deref(), JOB, &limits).and_then(|mut process| {
+            let (ready, _) = process.ask::<Result<(), Failed>>(&self.task)?;
+            Ok(ready.map(|()| process))
+        });
+        match started {
+            Ok(ready) => ready.map_err(|failed| RenderError::Worker(failed.reason)),
+            Err(ended) => {
+                let (path, reason) = (program.display(), reason(ended));
+                Err(RenderError::Worker(format!("`{path}` cannot render in a process of its own: {reason}")))
+            }
+        }
     }
 
     /// Renders a scene with the renderer of this number, last used in the process of generation `before`.
@@ -67,30 +78,33 @@ impl Worker {
             Some(process) => process,
             none => {
                 state.generation += 1;
-                none.insert(Process::start(&self.start, &self.task)?)
+                none.insert(self.start()?)
             }
         };
         let generation = state.generation;
-        let patience = self.start.patience + Duration::from_secs_f64(SECONDS_PER_SAMPLE * samples(scene));
-        let request = line(&Request::Draw(number, to_text(scene), anew));
+        process.limits.time = self.start.patience + Duration::from_secs_f64(SECONDS_PER_SAMPLE * samples(scene));
+        let request = Request::Draw(number, to_text(scene), anew);
         // A renderer's first picture differs in its times: in a restarted process it is rendered twice.
         let times = 1 + u32::from(before.is_some_and(|before| before != generation));
         let mut frame = Err(RenderError::Worker("no picture was rendered".into()));
         for _ in 0..times {
-            frame = match process.ask(&request, patience) {
-                Ok((Answer::Drawn(size, measurements), pixels)) => {
-                    Ok(Frame { size, pixels, measurements: *measurements })
+            let lost = match process.ask(&request) {
+                Ok((Ok(Drawn { size, measurements }), pixels)) => {
+                    frame = Ok(Frame { size, pixels: bytemuck::pod_collect_to_vec(&pixels), measurements });
+                    continue;
                 }
-                Ok((Answer::Failed { reason, is_lost: false }, _)) => Err(RenderError::Worker(reason)),
-                Ok((Answer::Failed { reason, .. }, _)) | Err(reason) => {
-                    state.process = None;
-                    return Err(RenderError::Ended(reason));
+                Ok((Err(Failed { reason, is_lost: false }), _)) => {
+                    frame = Err(RenderError::Worker(reason));
+                    continue;
                 }
-                Ok((Answer::Ready, _)) => Err(RenderError::Worker("unexpected answer of the worker".into())),
+                Ok((Err(failed), _)) => failed.reason,
+                Err(ended) => reason(ended),
             };
+            state.process = None;
+            return Err(RenderError::Ended(lost));
         }
         *before = Some(generation);
-        if memory(process.child.id()).is_some_and(|bytes| bytes > RETAINED_MEMORY) {
+        if process.memory().is_some_and(|bytes| bytes > RETAINED_MEMORY) {
             state.process = None;
         }
         frame
@@ -104,93 +118,14 @@ fn samples(scene: &Scene) -> f64 {
     each.into_iter().map(f64::from).product()
 }
 
-/// A running process.
-struct Process {
-    child: Child,
-    input: ChildStdin,
-    answers: Receiver<(Answer, Vec<[f32; 4]>)>,
-}
-
-impl Process {
-    fn start(start: &Start, task: &str) -> Result<Process, RenderError> {
-        let fail = |reason: &dyn std::fmt::Display| {
-            RenderError::Worker(format!(
-                "`{}` cannot render in a process of its own: {reason}",
-                start.program.display()
-            ))
-        };
-        let mut command = Command::new(&start.program);
-        command.arg(COMMAND).args(start.device.iter().flat_map(|device| ["--device", device]));
-        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
-        #[cfg(unix)]
-        std::os::unix::process::CommandExt::process_group(&mut command, 0); // Ctrl-C goes to the parent alone
-        let mut child = command.spawn().map_err(|error| fail(&error))?;
-        let (Some(input), Some(output)) = (child.stdin.take(), child.stdout.take()) else {
-            return Err(fail(&"it has no standard input or output"));
-        };
-        let (tell, answers) = channel();
-        let listen = move || {
-            let mut output = BufReader::new(output);
-            // Ends with the process or its parent.
-            while let Some(answer) = read_answer(&mut output) {
-                if tell.send(answer).is_err() {
-                    break;
-                }
-            }
-        };
-        std::thread::Builder::new().spawn(listen).map_err(|error| fail(&error))?;
-        let mut process = Process { child, input, answers };
-        match process.ask(task, start.patience).map_err(|reason| fail(&reason))?.0 {
-            Answer::Ready => Ok(process),
-            Answer::Failed { reason, .. } => Err(RenderError::Worker(reason)),
-            Answer::Drawn(..) => Err(fail(&"unexpected answer")),
-        }
+/// Why a process gave no picture.
+fn reason(ended: Ended) -> String {
+    match ended {
+        Ended::Unfit(reason) => reason,
+        Ended::Late(seconds) => format!("the driver did not end within {seconds:.0} s of the processor"),
+        Ended::Large(mib) => format!("the driver took more than {} GiB of memory", mib >> 10),
+        ended => format!("the driver {ended}"),
     }
-
-    /// Sends a line and waits for the answer; the error describes the end of the process.
-    fn ask(&mut self, text: &str, patience: Duration) -> Result<(Answer, Vec<[f32; 4]>), String> {
-        let mut watch = Watchdog::new(self.child.id(), patience, PEAK_MEMORY);
-        let _ = self.input.write_all(text.as_bytes()); // a failure shows in the end of the process
-        loop {
-            match self.answers.recv_timeout(POLL) {
-                Ok(answer) => return Ok(answer),
-                Err(RecvTimeoutError::Timeout) => match watch.excess() {
-                    Some(Excess::Time) => {
-                        let seconds = patience.as_secs_f32();
-                        return Err(format!("the driver did not end within {seconds:.0} s of the processor"));
-                    }
-                    Some(Excess::Memory) => {
-                        return Err(format!("the driver took more than {} GiB of memory", PEAK_MEMORY >> 30));
-                    }
-                    None => {}
-                },
-                Err(RecvTimeoutError::Disconnected) => {
-                    let how = self.child.wait().map_or_else(|error| error.to_string(), describe);
-                    return Err(format!("the driver crashed ({how})"));
-                }
-            }
-        }
-    }
-}
-
-impl Drop for Process {
-    fn drop(&mut self) {
-        let _ = self.child.kill(); // it may have ended before
-        let _ = self.child.wait();
-    }
-}
-
-/// Next answer and its pixels; `None` at the end.
-fn read_answer(output: &mut impl BufRead) -> Option<(Answer, Vec<[f32; 4]>)> {
-    let mut text = String::new();
-    output.read_line(&mut text).ok()?;
-    let answer = serde_json::from_str(&text).ok()?;
-    let mut pixels = Vec::new();
-    if let Answer::Drawn([width, height], _) = answer {
-        pixels = vec![[0f32; 4]; width as usize * height as usize];
-        output.read_exact(bytemuck::cast_slice_mut(&mut pixels)).ok()?;
-    }
-    Some((answer, pixels))
 }
 
 /// A renderer of one subject in this process or in a worker.
@@ -256,7 +191,7 @@ impl Drop for Remote<'_> {
         let mut state = self.worker.state.borrow_mut();
         let is_there = self.before == Some(state.generation);
         if let Some(process) = state.process.as_mut().filter(|_| is_there) {
-            let _ = process.input.write_all(line(&Request::Forget(self.number)).as_bytes());
+            process.send(&Request::Forget(self.number));
         }
     }
 }

@@ -1,34 +1,31 @@
 //! The child process: renders scenes on request.
 
-use super::protocol::{Answer, Load, Request, Task, line};
+use super::{Drawn, Failed, Load, Request, Task};
 use hypertexture::gpu::{Gpu, GpuError, Options};
-use hypertexture::render::{RenderError, Renderer, Subject};
+use hypertexture::render::{Frame, RenderError, Renderer, Subject};
 use hypertexture::scene::{self, Scene};
 use hypertexture::shader::{self, Library};
 use std::collections::HashMap;
-use std::io::{self, BufRead, Write};
+use std::io;
+use support::jobs::Parent;
 
 /// Reads a task and answers requests until the input ends.
 ///
 /// # Errors
 /// The input cannot be read, or the output not be written.
-pub fn serve(input: impl BufRead, output: &mut impl Write, options: &Options) -> io::Result<()> {
-    #[cfg(target_os = "linux")] // ends with its parent
-    rustix::process::set_parent_process_death_signal(Some(rustix::process::Signal::KILL))?;
-    let mut lines = input.lines();
-    let Some(task) = lines.next().transpose()? else { return Ok(()) };
-    let task: Task = serde_json::from_str(&task)?;
+pub fn serve(mut parent: Parent, options: &Options) -> io::Result<()> {
+    let Some(task) = parent.request::<Task>()? else { return Ok(()) };
     let library = shader::shipped_with(task.changed).compiled_by(&std::env::current_exe()?);
     let ready = Gpu::new(options).map_err(RenderError::from).and_then(|gpu| Ok((gpu, load(&task.load, &library)?)));
     let (gpu, subject) = match ready {
         Ok(ready) => ready,
-        Err(error) => return tell(output, &failed(&error), &[]),
+        Err(error) => return parent.tell(&Err::<(), _>(failed(&error)), &[]),
     };
-    tell(output, &Answer::Ready, &[])?;
+    parent.tell(&Ok::<_, Failed>(()), &[])?;
     let messages = gpu.messages();
     let mut renderers: HashMap<u64, Renderer> = HashMap::new();
-    for request in lines {
-        match serde_json::from_str(&request?)? {
+    while let Some(request) = parent.request()? {
+        match request {
             Request::Forget(number) => drop(renderers.remove(&number)),
             Request::Draw(number, text, anew) => {
                 let scene = parse(&text)?;
@@ -38,16 +35,12 @@ pub fn serve(input: impl BufRead, output: &mut impl Write, options: &Options) ->
                 }
                 let drawn = renderer.render(&scene);
                 let said = messages.take(); // of the validation layer
-                let answer = match drawn {
-                    Ok(_) if !said.is_empty() => Answer::Failed { reason: said.join("; "), is_lost: false },
-                    Ok(frame) => {
-                        let answer = Answer::Drawn(frame.size, Box::new(frame.measurements));
-                        tell(output, &answer, bytemuck::cast_slice(&frame.pixels))?;
-                        continue;
-                    }
-                    Err(error) => failed(&error),
+                let (answer, pixels) = match drawn {
+                    Ok(_) if !said.is_empty() => (Err(Failed { reason: said.join("; "), is_lost: false }), Vec::new()),
+                    Ok(Frame { size, pixels, measurements }) => (Ok(Drawn { size, measurements }), pixels),
+                    Err(error) => (Err(failed(&error)), Vec::new()),
                 };
-                tell(output, &answer, &[])?;
+                parent.tell(&answer, bytemuck::cast_slice(&pixels))?;
             }
         }
     }
@@ -69,16 +62,10 @@ fn parse(text: &str) -> io::Result<Scene> {
 }
 
 /// The answer for an error; a device that timed out counts as lost.
-fn failed(error: &RenderError) -> Answer {
+fn failed(error: &RenderError) -> Failed {
     let is_lost = match error {
         RenderError::Gpu(error) => error.is_lost() || matches!(error, GpuError::Timeout { .. }),
         _ => false,
     };
-    Answer::Failed { reason: error.to_string(), is_lost }
-}
-
-fn tell(output: &mut impl Write, answer: &Answer, pixels: &[u8]) -> io::Result<()> {
-    output.write_all(line(answer).as_bytes())?;
-    output.write_all(pixels)?;
-    output.flush()
+    Failed { reason: error.to_string(), is_lost }
 }
