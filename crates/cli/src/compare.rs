@@ -10,7 +10,7 @@ use hypertexture::render::{Subject, try_custom_modules};
 use hypertexture::scene::{Scene, to_text};
 use measure::compare::candidates::{Sweep, candidates};
 use measure::compare::report::{self, Environment, Report};
-use measure::compare::{Comparison, Forecast, Session, Settings, compare, paper};
+use measure::compare::{Comparison, Session, Settings, compare, paper};
 use measure::reference::{Reference, TOLERANCE, reference};
 use measure::worker::{Load, Worker};
 use std::error::Error;
@@ -114,7 +114,7 @@ pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<
         progress(0.0);
         let mut compute_reference = |scene: &Scene| truth(session, scene);
         let part = |fraction: f32| progress(CANDIDATES * fraction);
-        let forecast = |forecast: Forecast| {
+        let forecast = |forecast: &str| {
             if !quiet {
                 say(&format!("{forecast}\n"));
             }

@@ -130,28 +130,9 @@ impl Curve {
             TargetFormat::Float32 => ", 32-bit float",
         });
         let filter = if self.filter == Filter::Exact { ", exact filter" } else { "" };
-        format!(
-            "{}{block}, {}, {}{target}{filter}",
-            self.strategy,
-            pass_name(self.pass),
-            integration_name(self.integration)
-        )
-    }
-}
-
-/// A pass as scene files spell it.
-pub fn pass_name(pass: Pass) -> &'static str {
-    match pass {
-        Pass::Slices => "slices",
-        Pass::March => "march",
-    }
-}
-
-/// A integration as scene files spell it.
-pub fn integration_name(integration: Integration) -> &'static str {
-    match integration {
-        Integration::Point => "point",
-        Integration::Segment => "segment",
+        let [pass, integration] =
+            [format!("{:?}", self.pass), format!("{:?}", self.integration)].map(|name| name.to_lowercase());
+        format!("{}{block}, {pass}, {integration}{target}{filter}", self.strategy)
     }
 }
 

@@ -12,6 +12,7 @@
 mod answers;
 #[doc(hidden)] // for the tests of this crate
 pub mod candidates;
+mod digits;
 #[doc(hidden)] // for the tests of this crate
 pub mod front;
 mod ground_truths;
@@ -40,7 +41,6 @@ use hypertexture::shader::{Library, LibraryError};
 use metrics::{Angles, Metrics};
 use normals::Normals;
 use std::cell::Cell;
-use std::fmt;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use support::random::SplitMix;
@@ -208,28 +208,6 @@ impl Comparison {
     }
 }
 
-/// How long a comparison will take, as its first truth and candidate say.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Forecast {
-    /// Candidates, without those that go on along the front.
-    pub candidates: usize,
-    /// Noise patterns, each with a truth.
-    pub truths: usize,
-    /// Wall clock from now on, as long as each takes what the first took; going on along the front is in it.
-    pub time: Duration,
-}
-
-impl fmt::Display for Forecast {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let minutes = (self.time.as_secs_f64() / 60.0).ceil();
-        let (candidates, truths) = (self.candidates, self.truths);
-        write!(
-            f,
-            "compare    {candidates} candidates, {truths} truths: about {minutes} min, if the machine stays as busy"
-        )
-    }
-}
-
 /// Computes the reference of a scene.
 pub type ComputeReference<'a> = dyn FnMut(&Scene) -> Result<Arc<Reference>, String> + 'a;
 
@@ -257,7 +235,7 @@ impl<'a> Session<'a> {
 
 /// Draws, measures and times every candidate for a scene; `compute_reference` gives the truth of a scene. A quick sweep without
 /// samples of its own goes on with more of them along the front. `forecast` hears once, behind the first candidate, how
-/// long it will take. Stopped, it keeps the candidates that were timed.
+/// long it will take at its pace, in words. Stopped, it keeps the candidates that were timed.
 ///
 /// # Errors
 /// The scene has no candidate. What goes wrong with one of several is a [`Failure`].
@@ -266,7 +244,7 @@ pub fn compare(
     scene: &Scene,
     settings: &Settings,
     compute_reference: &mut ComputeReference<'_>,
-    forecast: &dyn Fn(Forecast),
+    forecast: &dyn Fn(&str),
     progress: &dyn Fn(f32),
 ) -> Result<Comparison, CompareError> {
     let (began, in_truths) = (Instant::now(), Cell::new(Duration::ZERO));
@@ -329,7 +307,10 @@ pub fn compare(
                 let each = began.elapsed().saturating_sub(in_truths.get()) + runs;
                 let front = if goes_on { refine::BUDGET } else { Duration::ZERO };
                 let time = in_truths.get() * (truths as u32 - 1) + each * candidates as u32 + front;
-                forecast(Forecast { candidates, truths, time });
+                let minutes = (time.as_secs_f64() / 60.0).ceil();
+                forecast(&format!(
+                    "compare    {candidates} candidates, {truths} truths: about {minutes} min, if the machine stays as busy"
+                ));
             }
             progress((planned - waiting.len()) as f32 / planned as f32 - 0.5 * batch.len() as f32 / planned as f32);
         }

@@ -32,7 +32,7 @@ pub fn example() -> Replay {
         }
     }
     for row in replay.sheets.iter_mut().flat_map(|sheet| &mut sheet.rows) {
-        row.errors = Some(Ok(Errors { rmse: 0.01, flip: 0.02 }));
+        row.errors = Some(Ok(Errors { rmse: 0.01, flip: 0.02, own_rmse: None, times_faster: None }));
     }
     let frame = Frame { size: [1, 1], pixels: vec![[0.5; 4]], measurements: Default::default() };
     replay.bumps =

@@ -27,16 +27,7 @@ pub fn replay(
     const TIMING: f32 = 0.7;
     let sampling = Sampling::of_device(session.gpu, plan.effects[0].quality.target);
     let mut replay = Replay::planned(plan, sampling);
-    for (number, window) in WINDOWS.into_iter().enumerate() {
-        let drawn = (replay.plan.pixels(window), replay.sampling.of(window.sampling));
-        let of_window = |shot: &Shot| {
-            let quality = &shot.scene.quality;
-            (shot.scene.image.size, (quality.msaa, quality.anisotropy)) == drawn && shot.cell == Cell::Missing
-        };
-        let group: Vec<usize> = (0..replay.shots.len()).filter(|&index| of_window(&replay.shots[index])).collect();
-        let share = TIMING / WINDOWS.len() as f32;
-        time(session, &mut replay, group, &|part| progress(share * (number as f32 + part)));
-    }
+    time_windows(session, &mut replay, &|part| progress(TIMING * part));
     replay.bumps = bumps(session, &replay.plan).unwrap_or_else(|reason| {
         replay.bump_failure = Some(format!("Eq. 7: {reason}"));
         Vec::new()
@@ -55,6 +46,19 @@ pub fn replay(
     }
     replay.partial = (session.stop)();
     replay
+}
+
+/// Times everything that is planned, window by window.
+pub fn time_windows(session: Session<'_>, replay: &mut Replay, progress: &dyn Fn(f32)) {
+    for (number, window) in WINDOWS.into_iter().enumerate() {
+        let drawn = (replay.plan.pixels(window), replay.sampling.of(window.sampling));
+        let of_window = |shot: &Shot| {
+            let quality = &shot.scene.quality;
+            (shot.scene.image.size, (quality.msaa, quality.anisotropy)) == drawn && shot.cell == Cell::Missing
+        };
+        let group: Vec<usize> = (0..replay.shots.len()).filter(|&index| of_window(&replay.shots[index])).collect();
+        time(session, replay, group, &|part| progress((number as f32 + part) / WINDOWS.len() as f32));
+    }
 }
 
 /// Times a group of shots, their runs interleaved, as many together as memory allows.
@@ -125,7 +129,7 @@ fn errors(
     let mut renderer = session.painter();
     let frame = renderer.render(&scene).map_err(|error| error.to_string())?;
     let metrics = Metrics::of(&frame.pixels, &truth.reference, scene.image.background.unwrap_or(BACKGROUND));
-    Ok(Errors { rmse: metrics.errors.rmse, flip: metrics.flip })
+    Ok(Errors { rmse: metrics.errors.rmse, flip: metrics.flip, own_rmse: None, times_faster: None })
 }
 
 /// Bump mapping by rising k, with the angles that it turns the normals by.

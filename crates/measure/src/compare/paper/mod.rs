@@ -11,26 +11,27 @@ pub mod measure;
 pub mod numbers;
 pub mod replay;
 
-use super::timing::{FEWEST_RUNS, Spread, interleave};
-use super::{Comparison, Failure, Session, run};
-use crate::worker::Painter;
-use hypertexture::gpu::Format;
+use super::front::cheapest;
+use super::metrics::Metrics;
+use super::timing::{FEWEST_RUNS, Spread};
+use super::{Comparison, Failure, Row, Session};
 use hypertexture::render::Frame;
 use hypertexture::scene::{Integration, Pass, Scene, TargetFormat};
 use hypertexture::shader::Library;
-use support::random::SplitMix;
+use replay::{Errors, Plan, Replay, Sampling};
+use std::sync::Arc;
 
-/// One row of Table 3: what the paper calls it, our module, and frames per second in the order of [`COLUMNS`].
-pub const TABLE_3: [(&str, &str, [f64; 4]); 4] = [
+/// One row of Table 3: the paper's name, our module, and frames per second at 300 x 300 and at 1024 x 768, each without
+/// smoothing and with 8x.
+pub type Way = (&'static str, &'static str, [f64; 4]);
+
+/// The rows of Table 3.
+pub static TABLE_3: [Way; 4] = [
     ("8 noise lookups", "lookups8", [2.45, 1.89, 0.49, 0.43]),
     ("4 noise lookups", "lookups4", [7.14, 5.26, 2.40, 2.30]),
     ("4 channel", "channels", [23.02, 17.02, 3.82, 3.70]),
     ("encoded texture", "encoded", [23.24, 17.00, 4.18, 4.05]),
 ];
-
-/// Window size, and whether sampling is 8x.
-pub const COLUMNS: [([u32; 2], bool); 4] =
-    [([300, 300], false), ([300, 300], true), ([1024, 768], false), ([1024, 768], true)];
 
 /// The four pictures of Fig. 8: module and caption.
 const FIGURE_8: [(&str, u32, &str); 4] = [
@@ -73,19 +74,6 @@ impl Cell {
     }
 }
 
-/// Our Table 3.
-#[derive(Clone, Debug)]
-pub struct Table {
-    /// Slices that were drawn.
-    pub slices: u32,
-    /// Samples per pixel in place of 8x: what the device has.
-    pub sampling: u32,
-    /// The rows of [`TABLE_3`].
-    pub rows: [[Cell; 4]; 4],
-    /// The row of the comparison that has the error of each, by its index.
-    pub errors: [Option<usize>; 4],
-}
-
 /// One picture of Fig. 8.
 #[derive(Clone, Debug)]
 pub struct Crop {
@@ -118,82 +106,38 @@ fn paper_scene(comparison: &Comparison, session: &Session<'_>, module: &str) -> 
     Some((index, comparison.rows[index].candidate.scene.clone()))
 }
 
-/// Replays Table 3 with the strategies of the comparison; `None` if it has none of them. Quick: its first column alone. A
-/// cell that cannot be drawn is missing, and told.
+/// Replays Table 3 with the strategies of the comparison, at the errors of its rows; `None` if it has none of them or is
+/// stopped. Quick: its first column alone. A cell that cannot be drawn is told.
 pub fn table(
     session: Session<'_>,
     comparison: &Comparison,
     quick: bool,
     failures: &mut Vec<Failure>,
     progress: &dyn Fn(f32),
-) -> Option<Table> {
-    let scenes = TABLE_3.map(|(_, module, _)| paper_scene(comparison, &session, module));
-    let slices = scenes.iter().flatten().map(|(_, scene)| scene.quality.samples).max()?;
-    let mut fail = |row: usize, [width, height]: [u32; 2], error: &dyn ToString| {
-        let label = format!("Table 3, {}, {width} x {height}", TABLE_3[row].0);
-        failures.push(Failure { label, message: error.to_string() });
-    };
-    let counts = session.gpu.sample_counts(Format::Rgba8Unorm);
-    let counts = if session.gpu.info().sample_shading { counts } else { vec![1] };
-    let sampling = counts.into_iter().filter(|&count| count <= 8).max().unwrap_or(1);
-    let mut rows = [[Cell::Missing; 4]; 4];
-    let columns = if quick { 1 } else { COLUMNS.len() };
-    for (column, (size, smooth)) in COLUMNS.into_iter().enumerate().take(columns) {
-        let mut cells: Vec<(usize, Scene, Painter<'_>, f64)> = Vec::new();
-        for (row, (_, scene)) in scenes.iter().enumerate().filter_map(|(row, found)| Some((row, found.as_ref()?))) {
-            if (session.stop)() {
-                return None;
-            }
-            let mut scene = scene.clone();
-            scene.image.size = size;
-            if smooth {
-                (scene.quality.msaa, scene.quality.anisotropy) = (sampling, session.gpu.info().max_anisotropy.min(8.0));
-            }
-            let samples = f64::from(size[0] * size[1] * scene.quality.msaa) / f64::from(300 * 300);
-            let expected = match rows[row][0] {
-                Cell::Measured(first) => first.median * samples,
-                _ => 0.0,
-            };
-            if expected > LONGEST_MS {
-                rows[row][column] = Cell::Scaled(expected);
-                continue;
-            }
-            let mut renderer = session.painter();
-            match run(&mut renderer, &scene) {
-                Ok(first) => cells.push((row, scene, renderer, first.gpu_ms)),
-                Err(error) => fail(row, size, &error),
-            }
-            progress((column as f32 + 0.125 * (row + 1) as f32) / columns as f32);
-        }
-        let runs: Vec<usize> =
-            cells.iter().map(|(.., ms)| ((CELL_MS / ms.max(1e-3)) as usize).clamp(2, FEWEST_RUNS + 1)).collect();
-        let mut times: Vec<Vec<f64>> = vec![Vec::new(); cells.len()];
-        let mut failed: Vec<usize> = Vec::new();
-        for index in interleave(&runs, &mut SplitMix(column as u64)) {
-            if (session.stop)() {
-                return None;
-            }
-            if failed.contains(&index) {
-                continue;
-            }
-            let (row, scene, renderer, _) = &mut cells[index];
-            match run(renderer, scene) {
-                Ok(run) => times[index].push(run.gpu_ms),
-                Err(error) => {
-                    failed.push(index);
-                    fail(*row, size, &error);
-                }
-            }
-        }
-        for (index, ((row, ..), times)) in cells.iter().zip(&times).enumerate() {
-            if !failed.contains(&index) {
-                rows[*row][column] = Cell::Measured(Spread::of(times));
-            }
-        }
-        progress((column + 1) as f32 / columns as f32);
+) -> Option<Replay> {
+    let found = |way: &'static Way| Some((way, paper_scene(comparison, &session, way.1)?));
+    let found: Vec<(&Way, (usize, Scene))> = TABLE_3.iter().filter_map(found).collect();
+    let (size, effects) = (comparison.scene.image.size, vec![found.first()?.1.1.clone()]);
+    let plan = Plan { effects, scale: 1.0, quick, repeat: FEWEST_RUNS + 1, error_size: size };
+    let sampling = Sampling::of_device(session.gpu, TargetFormat::Unorm8);
+    let mut replay = Replay::of_table_3(plan, sampling, found.iter().map(|(way, (_, scene))| (*way, scene.clone())));
+    measure::time_windows(session, &mut replay, progress);
+    for (row, (_, (index, _))) in replay.sheets[0].rows.iter_mut().zip(&found) {
+        row.errors = Some(Ok(errors(&comparison.rows, *index)));
     }
-    let errors = scenes.map(|found| found.map(|(index, _)| index));
-    Some(Table { slices, sampling, rows, errors })
+    let failed = replay.failures().into_iter();
+    failures.extend(failed.map(|message| Failure { label: "Table 3".into(), message }));
+    (!(session.stop)()).then_some(replay)
+}
+
+/// The errors of a row, and how many times faster a row of the same truth has no larger one.
+pub(super) fn errors(rows: &[Row], index: usize) -> Errors {
+    let (row, (time, error)) = (&rows[index], rows[index].point());
+    let like = rows.iter().filter(|other| Arc::ptr_eq(&other.truth, &row.truth));
+    let points: Vec<(f64, f64)> = like.map(Row::point).collect();
+    let best = cheapest(&points, error).map_or(time, |best| points[best].0);
+    let Metrics { own_rmse, flip, .. } = row.metrics;
+    Errors { rmse: error, flip, own_rmse, times_faster: Some(time / best) }
 }
 
 /// Gives the turbulence so many octaves: where its block holds fewer, the largest block, with one cell of the first octave.

@@ -6,7 +6,7 @@
 //! Source: MJ 3.5, 5.2 and 7.
 
 use super::numbers::{CARDS, EFFECTS};
-use super::{Cell, TABLE_3};
+use super::{Cell, TABLE_3, Way};
 use hypertexture::gpu::{Format, Gpu};
 use hypertexture::render::Frame;
 use hypertexture::scene::{Integration, Pass, Proxy, Quality, Scene, TargetFormat};
@@ -37,6 +37,9 @@ pub const WINDOWS: [Window; 6] = [
     Window { size: [1024, 768], sampling: 4 },
     Window { size: [1024, 768], sampling: 8 },
 ];
+
+/// The windows that the paper prints, by their places.
+const PRINTED: [usize; 4] = [0, 2, 3, 5];
 
 /// Settings of a replay.
 #[derive(Clone, Debug)]
@@ -117,6 +120,10 @@ pub struct Errors {
     pub rmse: f64,
     /// Mean of FLIP.
     pub flip: f64,
+    /// Root mean square error against a reference of its own octaves alone, where that is known.
+    pub own_rmse: Option<f64>,
+    /// How many times faster the fastest candidate of a comparison with at most this error is.
+    pub times_faster: Option<f64>,
 }
 
 /// A row of a table.
@@ -216,19 +223,29 @@ impl Plan {
 }
 
 impl Replay {
-    /// Columns to be timed.
+    fn new(plan: Plan, sampling: Sampling) -> Replay {
+        let (sheets, shots, bumps) = (Vec::new(), Vec::new(), Vec::new());
+        Replay { plan, sampling, sheets, shots, bumps, bump_failure: None, partial: false }
+    }
+
+    /// Table 3 alone, with these of its rows and their scenes.
+    pub fn of_table_3(plan: Plan, sampling: Sampling, rows: impl Iterator<Item = (&'static Way, Scene)>) -> Replay {
+        let mut replay = Replay::new(plan, sampling);
+        let rows = rows.map(|(way, scene)| (way.0.into(), scene, vec![way.2.map(Some).to_vec()])).collect();
+        replay.add(
+            "Table 3",
+            &CARDS[..1],
+            PRINTED.map(|index| Column { window: WINDOWS[index], discards: true }).to_vec(),
+            rows,
+        );
+        replay
+    }
+
+    /// All tables.
     pub fn planned(plan: Plan, sampling: Sampling) -> Replay {
-        let mut replay = Replay {
-            plan,
-            sampling,
-            sheets: Vec::new(),
-            shots: Vec::new(),
-            bumps: Vec::new(),
-            bump_failure: None,
-            partial: false,
-        };
+        let mut replay = Replay::new(plan, sampling);
         let column = |window, discards| Column { window, discards };
-        let printed = [0, 2, 3, 5].map(|index| column(WINDOWS[index], true)).to_vec();
+        let printed = PRINTED.map(|index| column(WINDOWS[index], true)).to_vec();
         let all = WINDOWS.map(|window| column(window, true)).to_vec();
         let both = [true, false].map(|discards| column(WINDOWS[0], discards)).to_vec();
         let effects = || EFFECTS.iter().zip(replay.plan.effects.clone());

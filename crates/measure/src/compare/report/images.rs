@@ -4,6 +4,7 @@ use crate::compare::metrics::{bytes, encode};
 use crate::statistics::largest;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use hypertexture::render::Frame;
 use hypertexture::scene::Color;
 
 /// The errors at the ends of the scale of heat maps, which is logarithmic.
@@ -22,26 +23,31 @@ const MAGMA: [[u8; 3]; 9] = [
     [252, 253, 191],
 ];
 
-/// A picture over a background as the address of an `img` element.
-pub fn picture(pixels: &[[f64; 4]], size: [u32; 2], background: Color) -> String {
+/// Pixels over a background as the address of an `img` element.
+pub fn address_of(pixels: &[[f64; 4]], size: [u32; 2], background: Color) -> String {
     address(size, &bytes(&encode(pixels, background)))
 }
 
+/// A picture over a background as the address of an `img` element.
+pub fn picture(frame: &Frame, background: Color) -> String {
+    let pixels: Vec<[f64; 4]> = frame.pixels.iter().map(|pixel| pixel.map(f64::from)).collect();
+    address_of(&pixels, frame.size, background)
+}
+
 /// A map of the largest difference of any channel of premultiplied linear RGBA of each pixel.
-pub fn heat_map(found: &[[f64; 4]], truth: &[[f64; 4]], size: [u32; 2]) -> String {
-    address(size, &colors(found.iter().zip(truth)))
+pub fn heat_map(found: &Frame, truth: &[[f64; 4]]) -> String {
+    address(found.size, &colors(&found.pixels, truth))
 }
 
 /// The same of a picture, as a PNG.
 pub fn heat_png(found: &[[f32; 4]], truth: &[[f64; 4]], size: [u32; 2]) -> Vec<u8> {
-    let found: Vec<[f64; 4]> = found.iter().map(|pixel| pixel.map(f64::from)).collect();
-    png_of(size, &colors(found.iter().zip(truth)))
+    png_of(size, &colors(found, truth))
 }
 
 /// A color for each two pixels.
-fn colors<'a>(pairs: impl Iterator<Item = (&'a [f64; 4], &'a [f64; 4])>) -> Vec<u8> {
-    let difference = |a: &[f64; 4], b: &[f64; 4]| largest((0..4).map(|c| (a[c] - b[c]).abs()));
-    pairs.flat_map(|(a, b)| heat(difference(a, b))).collect()
+fn colors(found: &[[f32; 4]], truth: &[[f64; 4]]) -> Vec<u8> {
+    let difference = |a: &[f32; 4], b: &[f64; 4]| largest((0..4).map(|c| (f64::from(a[c]) - b[c]).abs()));
+    found.iter().zip(truth).flat_map(|(a, b)| heat(difference(a, b))).collect()
 }
 
 /// The scale of the heat maps, one pixel high.
@@ -91,7 +97,7 @@ mod tests {
 
     #[test]
     fn a_picture_comes_back_out_of_its_address() {
-        let image = decode(&picture(&[[1.0, 0.0, 0.0, 1.0], [0.0; 4]], [2, 1], Color([10, 20, 30])));
+        let image = decode(&address_of(&[[1.0, 0.0, 0.0, 1.0], [0.0; 4]], [2, 1], Color([10, 20, 30])));
         assert_eq!([image.get_pixel(0, 0).0, image.get_pixel(1, 0).0], [[255, 0, 0], [10, 20, 30]]);
     }
 
@@ -99,8 +105,7 @@ mod tests {
     fn heat_grows_with_the_logarithm_of_the_error() {
         assert_eq!([0.0, HEAT[0], HEAT[1], 7.0].map(heat), [MAGMA[0], MAGMA[0], MAGMA[8], MAGMA[8]]);
         assert_eq!(heat((HEAT[0] * HEAT[1]).sqrt()), MAGMA[4]);
-        let image = decode(&heat_map(&[[0.0, 0.5, 0.0, 1.0]], &[[0.0, 1.5, 0.0, 0.0]], [1, 1]));
-        assert_eq!(image.get_pixel(0, 0).0, MAGMA[8]);
+        assert_eq!(colors(&[[0.0, 0.5, 0.0, 1.0]], &[[0.0, 1.5, 0.0, 0.0]]), MAGMA[8]);
         let scale = decode(&scale());
         assert_eq!((scale.get_pixel(0, 0).0, scale.get_pixel(255, 0).0), (MAGMA[0], MAGMA[8]));
     }

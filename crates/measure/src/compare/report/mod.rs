@@ -1,34 +1,27 @@
-//! The report of a comparison: CSV, JSON, SVG and one page.
+//! The report of a comparison: CSV, JSON, SVG and one page, by the templates of this folder.
 //!
 //! Invariant: files are written whole, and no text in them names a folder of this machine.
 
 mod chart;
 mod data;
 mod environment;
-mod fastest;
-mod html;
 pub mod images;
-mod orders;
 pub mod page;
-mod paper_html;
 pub mod replay;
-mod replay_grid;
-mod replay_html;
+mod sheet;
 
 pub use environment::{Environment, load};
 
-use super::candidates::Curve;
-use super::paper::{Crop, Table};
-use super::{CompareError, Comparison, Failure, Group, Session};
-use chart::{Chart, Line, Marker, Point};
+use super::paper::Crop;
+use super::paper::replay::Replay;
+use super::{BACKGROUND, CompareError, Comparison, Failure, Group, Session};
 use hypertexture::output::OutputError;
 use hypertexture::render::Frame;
-use hypertexture::scene::{Integration, Pass, Scene, to_text};
+use hypertexture::scene::{Scene, to_text};
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use support::{quoted, write_whole};
 
-/// Files of a report.
-pub const FILES: [&str; 5] = ["index.html", "candidates.csv", "runs.csv", "report.json", "chart.svg"];
 /// Pictures of the front of the scene's own truth, at most, and of each of the others.
 const PICTURES: [usize; 2] = [6, 2];
 
@@ -48,7 +41,7 @@ pub struct Report {
     /// Pictures of rows, by their index.
     pub pictures: Vec<(usize, Frame)>,
     /// The paper's Table 3 beside ours.
-    pub table: Option<Table>,
+    pub table: Option<Replay>,
     /// The pictures of its Fig. 8.
     pub crops: Vec<Crop>,
 }
@@ -110,63 +103,56 @@ pub fn pictures(session: Session<'_>, comparison: &Comparison, failures: &mut Ve
 /// # Errors
 /// Errors of the file system; a file is whole or unchanged.
 pub fn write(report: &Report, folder: &Path) -> Result<PathBuf, CompareError> {
+    let comparison = &report.comparison;
+    let candidates = data::candidates(comparison);
+    let table = data::csv(&candidates);
+    let json = data::json(report, candidates);
+    let charts = chart::charts(comparison, &data::curves(&comparison.rows));
+    let files = [
+        ("index.html", html(report, &json, &charts)),
+        ("candidates.csv", table),
+        ("runs.csv", data::csv(&data::runs(comparison))),
+        ("report.json", format!("{json:#}\n")),
+        ("chart.svg", page::page("chart.html", &json!({ "titled": true, "charts": charts }))),
+    ];
+    write_all(&files, folder)
+}
+
+/// Writes files into a folder, which is made if there is none, the page at last: when it is there, all of it is. Gives the
+/// path of the page, which is the first.
+fn write_all(files: &[(&str, String)], folder: &Path) -> Result<PathBuf, CompareError> {
     let io = |path: &Path| {
         let path = path.display().to_string();
         move |source| CompareError::Output(OutputError::Write { path, source })
     };
     std::fs::create_dir_all(folder).map_err(io(folder))?;
-    let charts = charts(report);
-    let contents = [
-        html::page(report, &charts),
-        data::candidates(report),
-        data::runs(report),
-        data::summary(report),
-        chart::standalone(&charts),
-    ];
-    let mut files: Vec<_> = FILES.into_iter().zip(contents).collect();
-    files.reverse(); // the page appears last: when it is there, all of it is
-    for (name, content) in files {
+    for (name, content) in files.iter().rev() {
         let path = folder.join(name);
         write_whole(&path, content.as_bytes()).map_err(io(&path))?;
     }
-    Ok(folder.join(FILES[0]))
+    Ok(folder.join(files[0].0))
 }
 
-/// Error against time, a chart for each truth and a line for each curve.
-fn charts(report: &Report) -> Vec<Chart> {
-    let curves = data::curves(report);
-    let groups = report.comparison.groups();
-    groups.iter().enumerate().map(|(number, group)| chart(report, number, group, &curves)).collect()
-}
-
-fn chart(report: &Report, number: usize, group: &Group, curves: &[data::CurveRows]) -> Chart {
-    let rows = &report.comparison.rows;
-    let mut groups: Vec<String> = Vec::new();
-    let mut lines = Vec::new();
-    for (Curve { strategy, pass, integration, .. }, indices, _) in
-        curves.iter().filter(|(_, indices, _)| group.rows.contains(&indices[0]))
-    {
-        let color = groups.iter().position(|name| name == strategy).unwrap_or_else(|| {
-            groups.push(strategy.clone());
-            groups.len() - 1
-        });
-        let point = |&index: &usize| {
-            let (row, (time, error)) = (&rows[index], rows[index].point());
-            let about = format!("{}: error {error:.2e} in {time:.3} ms", row.candidate.label());
-            Point { time, error, interval: row.time().interval, reference: group.truth.error(), about }
-        };
-        lines.push(Line {
-            group: color,
-            marker: if *pass == Pass::March { Marker::Circle } else { Marker::Square },
-            filled: *integration == Integration::Segment,
-            faint: rows[indices[0]].candidate.aside,
-            points: indices.iter().map(point).collect(),
-        });
-    }
-    let front = group.front.iter().map(|&index| rows[index].point()).collect();
-    let floor = Some(group.truth.error()).filter(|floor| *floor > 0.0);
-    let (title, clock) = (format!("Truth {number}: {}", group.truth.pattern), report.comparison.clock());
-    Chart { title, groups, lines, front, floor, clock }
+/// The page, with a chart for each truth.
+fn html(report: &Report, json: &Value, charts: &[Value]) -> String {
+    let comparison = &report.comparison;
+    let background = comparison.scene.image.background.unwrap_or(BACKGROUND);
+    let picture = |(index, frame): &(usize, Frame)| {
+        let truth = &comparison.rows[*index].truth.reference;
+        let images = [
+            images::address_of(&truth.pixels, frame.size, background),
+            images::picture(frame, background),
+            images::heat_map(frame, &truth.pixels),
+        ];
+        json!({ "candidate": index, "images": images })
+    };
+    let crop = |crop: &Crop| json!({ "caption": crop.caption, "drawn": crop.drawn, "picture": images::picture(&crop.frame, background) });
+    let mut context = json.clone();
+    context["charts"] = charts.into();
+    context["pictures"] = report.pictures.iter().map(picture).collect();
+    context["crops"] = report.crops.iter().map(crop).collect();
+    (context["heat"], context["scale"]) = (images::HEAT.into_iter().collect(), images::scale().into());
+    page::page("compare.html", &context)
 }
 
 #[cfg(test)]
@@ -175,6 +161,9 @@ pub(super) mod examples;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::compare::paper::replay::{Plan, Sampling};
+    use crate::compare::paper::{self, Cell};
+    use crate::compare::timing::Spread;
     use hypertexture::scene::preset;
 
     #[test]
@@ -228,6 +217,8 @@ mod tests {
         let json: serde_json::Value = serde_json::from_str(&read("report.json")).unwrap();
         assert_eq!(json["measured"], report.comparison.rows.len());
         assert_eq!(json["orders"][0]["order"]["points"], 3);
+        let keys = json["candidates"][0].as_object().unwrap();
+        assert!(table.lines().next().unwrap().split(',').all(|column| keys.contains_key(column)), "{keys:?}");
         assert_eq!((&json["command"], &json["tolerance"]), (&"hypertexture compare fire".into(), &1e-4.into()));
         let scene: toml::Table = json["scene"].as_str().unwrap().parse().unwrap();
         assert_eq!(scene["image"]["size"].as_array().unwrap().len(), 2);
@@ -239,20 +230,83 @@ mod tests {
         for (index, line) in table.lines().skip(1).enumerate() {
             assert!(line.ends_with(&format!(",{}", number(index))), "{line}");
         }
-        let front = json["front"].as_array().unwrap();
+        let all = json["candidates"].as_array().unwrap();
         for truth in [0, 1] {
-            let of: Vec<&serde_json::Value> = front.iter().filter(|row| row["truth"] == truth).collect();
-            assert!(
-                !of.is_empty() && of.iter().all(|row| number(row["candidate"].as_u64().unwrap() as usize) == truth)
-            );
+            assert!(all.iter().any(|row| row["truth"] == truth && row["front"] == true));
         }
-        let efficiency = front[0]["efficiency_per_mse_second"].as_f64().unwrap();
-        assert!(
-            (efficiency - rows[front[0]["candidate"].as_u64().unwrap() as usize].efficiency()).abs()
-                < 1e-6 * efficiency
-        );
+        let efficiency = all[0]["efficiency_per_mse_second"].as_f64().unwrap();
+        assert!((efficiency - rows[0].efficiency()).abs() < 1e-6 * efficiency);
         assert!(read("chart.svg").starts_with("<svg"));
         assert!(read("index.html").ends_with("</html>\n"));
+    }
+
+    fn page(report: &Report) -> String {
+        let comparison = &report.comparison;
+        let charts = chart::charts(comparison, &data::curves(&comparison.rows));
+        html(report, &data::json(report, data::candidates(comparison)), &charts)
+    }
+
+    #[test]
+    fn failures_stand_at_the_top_of_the_page() {
+        let mut report = examples::report();
+        let good = page(&report);
+        assert!(["FAILED", "Partial", "Unsteady"].iter().all(|banner| !good.contains(banner)));
+        let (label, message) = ("encoded".to_string(), "a <b> too many".to_string());
+        report.comparison.failures.push(Failure { label, message });
+        report.comparison.partial = true;
+        report.comparison.rows[0].runs[6].gpu_ms *= 2.0;
+        let bad = page(&report);
+        let place = |part: &str| bad.find(part).unwrap();
+        assert!(["FAILED", "Partial", "Unsteady"].iter().all(|banner| place(banner) < place("fastest")));
+        let unsteady = format!("of 1 of {} candidates", report.comparison.rows.len());
+        let parts = ["a &lt;b&gt; too many", &unsteady, "idle machine, with more runs (--repeat)"];
+        assert!(parts.iter().all(|part| bad.contains(part)), "{bad}");
+    }
+
+    #[test]
+    fn a_page_needs_nothing_beside_it_and_tells_the_error_of_each_truth() {
+        let text = page(&examples::report());
+        assert!(["<script", "href=", "src=\"http", "{{", "{%"].iter().all(|part| !text.contains(part)));
+        for tag in ["table", "details", "svg"] {
+            assert_eq!(text.matches(&format!("<{tag}")).count(), text.matches(&format!("</{tag}>")).count());
+        }
+        let place = |part: &str| text.find(part).unwrap_or_else(|| panic!("{part}: {text}"));
+        assert!(place("Truth 0, the scene's own: own") < place("Truth 1: other"));
+        place("<summary>Truth 1: other: ");
+        // An estimate of 1e-7 in all pixels, with an opacity of 1e-3 left open.
+        place("<td class=\"n\">1.00·10⁻⁷<td class=\"n\">0.00100<td class=\"n\">100.0 %");
+        place("<dt>command line<dd>hypertexture compare fire");
+        place("<summary>The scene</summary><pre>preset");
+        // Points of the same samples take as long as segments.
+        place("<small>not separable from the fastest within 0.1");
+    }
+
+    #[test]
+    fn m56_table_3_has_ours_beside_the_paper_and_the_errors_of_the_page() {
+        let mut report = examples::report();
+        let way = &crate::compare::paper::TABLE_3[3];
+        let plan = Plan {
+            effects: vec![report.comparison.scene.clone()],
+            scale: 1.0,
+            quick: false,
+            repeat: 1,
+            error_size: [8; 2],
+        };
+        let sampling = Sampling::new(vec![1, 4], 8.0);
+        let mut table = Replay::of_table_3(plan, sampling, [(way, report.comparison.scene.clone())].into_iter());
+        table.shots[0].cell = Cell::Measured(Spread::of(&[100.0]));
+        table.shots[2].cell = Cell::Scaled(5000.0);
+        let label = "encoded 64³, slices, point, 8-bit, 64 samples";
+        let index = report.comparison.rows.iter().position(|row| row.candidate.label() == label).unwrap();
+        table.sheets[0].rows[0].errors = Some(Ok(paper::errors(&report.comparison.rows, index)));
+        report.table = Some(table);
+        let text = page(&report);
+        let line = text.lines().find(|line| line.starts_with("<tr><td>encoded texture")).unwrap();
+        for part in ["<b>10.0</b>", ">23.24<", ">17.00<", "<b>≈0.200</b>", ">4.18<"] {
+            assert!(line.contains(part), "{line}");
+        }
+        // The error of 64 points is 1/64; 16 segments have a smaller one.
+        assert!(line.contains(">0.0156<td class=\"n\">0.00781<") && line.ends_with("<td class=\"n\">3.99"), "{line}");
     }
 
     #[test]
