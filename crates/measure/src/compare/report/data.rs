@@ -1,5 +1,6 @@
 //! The report as data: the records of its tables, and all of it as JSON.
 
+use super::csv::Record;
 use super::{Report, scene_text, sheet};
 use crate::compare::answers::{Answer, answers};
 use crate::compare::candidates::Curve;
@@ -26,21 +27,6 @@ const UNITS: [(&str, &str); 8] = [
     ("time_ms", "of the processor where that is the device, all threads; else on the device"),
     ("efficiency_per_mse_second", "1 / (rmse^2 x seconds of that time)"),
 ];
-
-/// A line of a table: values by the names of their columns, in the order of the columns.
-pub type Record = Vec<(&'static str, Value)>;
-
-/// Records as CSV, under the names of their columns.
-pub fn csv(records: &[Record]) -> String {
-    let text = |value: &Value| match value {
-        Value::Null => String::new(),
-        Value::String(text) => text.clone(),
-        other => other.to_string(),
-    };
-    let head = records.first().map(|record| record.iter().map(|(name, _)| name.to_string()).collect::<Vec<_>>());
-    let lines = records.iter().map(|record| record.iter().map(|(_, value)| text(value)).collect());
-    head.into_iter().chain(lines).map(|line| line.join(",") + "\n").collect()
-}
 
 /// A record for each candidate.
 pub fn candidates(comparison: &Comparison) -> Vec<Record> {

@@ -3,6 +3,7 @@
 //! Invariant: files are written whole, and no text in them names a folder of this machine.
 
 mod chart;
+mod csv;
 mod data;
 mod environment;
 pub mod images;
@@ -105,13 +106,13 @@ pub fn pictures(session: Session<'_>, comparison: &Comparison, failures: &mut Ve
 pub fn write(report: &Report, folder: &Path) -> Result<PathBuf, CompareError> {
     let comparison = &report.comparison;
     let candidates = data::candidates(comparison);
-    let table = data::csv(&candidates);
+    let table = csv::csv(&candidates);
     let json = data::json(report, candidates);
     let charts = chart::charts(comparison, &data::curves(&comparison.rows));
     let files = [
         ("index.html", html(report, &json, &charts)),
         ("candidates.csv", table),
-        ("runs.csv", data::csv(&data::runs(comparison))),
+        ("runs.csv", csv::csv(&data::runs(comparison))),
         ("report.json", format!("{json:#}\n")),
         ("chart.svg", page::page("chart.html", &json!({ "titled": true, "charts": charts }))),
     ];

@@ -3,7 +3,7 @@
 //! Invariant: files are written whole, and no text in them names a folder of this machine.
 
 use super::page::page;
-use super::{Environment, data, images, sheet, write_all};
+use super::{Environment, csv, images, sheet, write_all};
 use crate::compare::paper::conclusions::conclusions;
 use crate::compare::paper::numbers::SOFTWARE_SECONDS;
 use crate::compare::paper::replay::{Bump, Replay};
@@ -31,7 +31,7 @@ pub fn write(report: &Replayed, folder: &Path) -> Result<PathBuf, CompareError> 
     let files = [
         ("paper.html", html(report, &json)),
         ("paper.md", markdown(&json)),
-        ("paper.csv", data::csv(&sheet::records(&report.replay))),
+        ("paper.csv", csv::csv(&sheet::records(&report.replay))),
         ("paper.json", format!("{json:#}\n")),
     ];
     write_all(&files, folder)

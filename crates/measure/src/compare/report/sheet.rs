@@ -1,6 +1,6 @@
 //! A table of the paper beside ours, as data.
 
-use super::data::Record;
+use super::csv::Record;
 use crate::compare::paper::Cell;
 use crate::compare::paper::conclusions::same_picture;
 use crate::compare::paper::replay::{Column, Errors, Replay, Row, Sheet};
