@@ -3,9 +3,10 @@
 use super::error::VariantError;
 use super::program::{Program, shipped_programs};
 use super::scene_variant::Variant;
-use crate::shader::compile::{CompileError, Job, Limits, Wanted, compile, link_allowed, names};
+use crate::shader::compile::{CompileError, Job, Limits, compile, link_allowed, names};
 use crate::shader::library::Compiler;
 use crate::shader::{self, Library, LinkError, Linker, Slots, Stage};
+use std::collections::BTreeMap;
 use support::disk_cache::{self, Kind};
 
 /// SPIR-V of the vertex stage and the fragment stage.
@@ -68,29 +69,23 @@ impl Variant {
         changed.retain(|path, _| self.reaches(library, path));
         let names = (!changed.is_empty()).then(|| names(&changed))?;
         let (library, entries, slots) = (library.clone(), self.entries, self.slots.clone());
-        let job = Job { changed, programs: vec![self.wanted(is_optimized)] };
+        let job = self.job(changed, is_optimized);
         Some(move || {
             let Compiler::Apart(compiler) = library.compiler() else {
                 let linker = if is_optimized { Linker::new()? } else { Linker::new()?.unoptimized() };
                 return link_allowed(&linker, &library, entries, &slots, || names);
             };
-            let stages =
-                compile(compiler, &job, &Limits::default(), &|| false).map(|programs| programs.into_iter().next());
-            match stages {
-                Ok(Some(stages)) => Ok(stages),
-                Ok(None) => Err(LinkError::Compile(format!("{names}: the GLSL compiler gave no program"))),
+            compile(compiler, &job, &Limits::default(), &|| false).map_err(|error| match error {
                 // These messages name the text.
-                Err(error @ (CompileError::Refused(_) | CompileError::Long { .. })) => {
-                    Err(LinkError::Compile(error.to_string()))
-                }
-                Err(other) => Err(LinkError::Compile(format!("{names}: {other}"))),
-            }
+                CompileError::Refused(_) | CompileError::Long { .. } => LinkError::Compile(error.to_string()),
+                other => LinkError::Compile(format!("{names}: {other}")),
+            })
         })
     }
 
     /// Request for [`compile`].
-    pub fn wanted(&self, is_optimized: bool) -> Wanted {
-        Wanted { entries: self.entries.map(String::from), slots: self.slots.clone(), is_optimized }
+    pub fn job(&self, changed: BTreeMap<String, String>, is_optimized: bool) -> Job {
+        Job { changed, entries: self.entries.map(String::from), slots: self.slots.clone(), is_optimized }
     }
 }
 
