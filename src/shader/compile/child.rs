@@ -78,25 +78,16 @@ pub fn names(changed: &BTreeMap<String, String>) -> String {
     changed.keys().cloned().collect::<Vec<_>>().join(", ")
 }
 
-fn link(job: &Job) -> Result<Stages, LinkError> {
+/// Links both stages in this process, and applies the restrictions on user text.
+pub fn link(job: &Job) -> Result<Stages, LinkError> {
     let library = shader::shipped_with(job.changed.clone());
     let linker = if job.is_optimized { Linker::new()? } else { Linker::new()?.unoptimized() };
-    link_allowed(&linker, &library, job.entries.each_ref().map(String::as_str), &job.slots, || names(&job.changed))
-}
-
-/// Links both stages of a program and applies the restrictions on user text; `names` lists the files of that text.
-pub fn link_allowed(
-    linker: &Linker,
-    library: &Library,
-    entries: [&str; 2],
-    slots: &Slots,
-    names: impl FnOnce() -> String,
-) -> Result<Stages, LinkError> {
-    let link = |index: usize, stage| linker.link(library, entries[index], stage, &entries, slots);
+    let entries = job.entries.each_ref().map(String::as_str);
+    let link = |index: usize, stage| linker.link(&library, entries[index], stage, &entries, &job.slots);
     let stages = link(0, Stage::Vertex).and_then(|vertex| Ok([vertex, link(1, Stage::Fragment)?]));
-    let stages = stages.map_err(|error| missing(library, slots, error))?;
+    let stages = stages.map_err(|error| missing(&library, &job.slots, error))?;
     match stages.iter().find_map(|module| refusal(module)) {
-        Some(refusal) => Err(LinkError::Compile(format!("{}: {refusal}", names()))),
+        Some(refusal) => Err(LinkError::Compile(format!("{}: {refusal}", names(&job.changed)))),
         None => Ok(stages),
     }
 }
