@@ -14,7 +14,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::time::Duration;
 
 /// The hidden command.
-pub const COMMAND: &str = "job";
+const COMMAND: &str = "job";
 /// Interval between checks of the limits.
 const POLL: Duration = Duration::from_millis(20);
 

@@ -3,9 +3,10 @@
 use super::error::VariantError;
 use super::program::{Program, shipped_programs};
 use super::scene_variant::Variant;
-use crate::shader::compile::{CompileError, Job, Limits, Wanted, compile, link_allowed, names};
+use crate::shader::compile::{CompileError, Job, Limits, compile, link, names};
 use crate::shader::library::Compiler;
 use crate::shader::{self, Library, LinkError, Linker, Slots, Stage};
+use std::collections::BTreeMap;
 use support::disk_cache::{self, Kind};
 
 /// SPIR-V of the vertex stage and the fragment stage.
@@ -29,7 +30,7 @@ impl Variant {
             return Ok(stages);
         }
         let stages = match apart {
-            Some(apart) => apart()?,
+            Some(job) => link_under_limits(library.compiler(), &job)?,
             None => {
                 let linker = linker()?;
                 let link = |entry, stage| linker.link(library, entry, stage, &entries, &self.slots);
@@ -59,39 +60,30 @@ impl Variant {
         if self.apart(library, true).is_some() { own } else { own.compiled_here() }
     }
 
-    /// Links both stages in a limited process, if the library asks for that and a reached text is not as shipped.
-    fn apart(&self, library: &Library, is_optimized: bool) -> Option<impl FnOnce() -> Result<Stages, LinkError>> {
+    /// Request to link both stages under limits, if the library asks for that and a reached text is not as shipped.
+    fn apart(&self, library: &Library, is_optimized: bool) -> Option<Job> {
         if matches!(library.compiler(), Compiler::Here) {
             return None;
         }
         let mut changed = shader::changed(library);
         changed.retain(|path, _| self.reaches(library, path));
-        let names = (!changed.is_empty()).then(|| names(&changed))?;
-        let (library, entries, slots) = (library.clone(), self.entries, self.slots.clone());
-        let job = Job { changed, programs: vec![self.wanted(is_optimized)] };
-        Some(move || {
-            let Compiler::Apart(compiler) = library.compiler() else {
-                let linker = if is_optimized { Linker::new()? } else { Linker::new()?.unoptimized() };
-                return link_allowed(&linker, &library, entries, &slots, || names);
-            };
-            let stages =
-                compile(compiler, &job, &Limits::default(), &|| false).map(|programs| programs.into_iter().next());
-            match stages {
-                Ok(Some(stages)) => Ok(stages),
-                Ok(None) => Err(LinkError::Compile(format!("{names}: the GLSL compiler gave no program"))),
-                // These messages name the text.
-                Err(error @ (CompileError::Refused(_) | CompileError::Long { .. })) => {
-                    Err(LinkError::Compile(error.to_string()))
-                }
-                Err(other) => Err(LinkError::Compile(format!("{names}: {other}"))),
-            }
-        })
+        (!changed.is_empty()).then(|| self.job(changed, is_optimized))
     }
 
     /// Request for [`compile`].
-    pub fn wanted(&self, is_optimized: bool) -> Wanted {
-        Wanted { entries: self.entries.map(String::from), slots: self.slots.clone(), is_optimized }
+    pub fn job(&self, changed: BTreeMap<String, String>, is_optimized: bool) -> Job {
+        Job { changed, entries: self.entries.map(String::from), slots: self.slots.clone(), is_optimized }
     }
+}
+
+/// Links a job in a child, or in this process if it has limits.
+fn link_under_limits(compiler: &Compiler, job: &Job) -> Result<Stages, LinkError> {
+    let Compiler::Apart(program) = compiler else { return link(job) };
+    compile(program, job, &Limits::default(), &|| false).map_err(|error| match error {
+        // These messages name the text.
+        CompileError::Refused(_) | CompileError::Long { .. } => LinkError::Compile(error.to_string()),
+        other => LinkError::Compile(format!("{}: {other}", names(&job.changed))),
+    })
 }
 
 /// Hash of all that determines the words of a program. The largest shipped program identifies the compiler version.

@@ -15,20 +15,12 @@ use support::jobs::{Child, Limits, Parent};
 /// Name of the job.
 pub const JOB: &str = "compile";
 
-/// A request to link programs.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+/// A program to link.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Job {
     /// Files that differ from the shipped ones: path relative to the `glsl` folder, and text.
     pub changed: BTreeMap<String, String>,
-    /// The programs to link.
-    pub programs: Vec<Wanted>,
-}
-
-/// One program to link.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Wanted {
     /// Entry files: vertex stage, fragment stage.
     pub entries: [String; 2],
     /// The modules by slot.
@@ -40,7 +32,7 @@ pub struct Wanted {
 /// SPIR-V of vertex and fragment stage.
 type Stages = [Vec<u32>; 2];
 
-/// Links the programs of a job in a child process that runs `program`, the hypertexture executable. The child is killed once
+/// Links the program of a job in a child process that runs `program`, the hypertexture executable. The child is killed once
 /// `is_stale`, which is polled, returns true.
 ///
 /// # Errors
@@ -50,14 +42,14 @@ pub fn compile(
     job: &Job,
     limits: &Limits,
     is_stale: &dyn Fn() -> bool,
-) -> Result<Vec<Stages>, CompileError> {
+) -> Result<Stages, CompileError> {
     check_lengths(&job.changed)?;
     let answer = Child::start(program, None, JOB, limits).and_then(|mut child| {
         child.send(job);
         child.receive::<Result<_, String>>(is_stale)
     });
     match answer.map_err(|ended| CompileError::of(ended, program))?.0 {
-        Ok(programs) => Ok(programs),
+        Ok(stages) => Ok(stages),
         Err(text) if text == LinkError::Memory.to_string() => Err(CompileError::Memory(limits.memory_mib)),
         Err(text) => Err(CompileError::Refused(text)),
     }
@@ -71,7 +63,7 @@ pub fn check_lengths(changed: &BTreeMap<String, String>) -> Result<(), CompileEr
     }
 }
 
-/// Child's side: reads a job, links its programs and answers.
+/// Child's side: reads a job, links its program and answers.
 ///
 /// # Errors
 /// The job cannot be read, or the answer not be written.
@@ -86,29 +78,16 @@ pub fn names(changed: &BTreeMap<String, String>) -> String {
     changed.keys().cloned().collect::<Vec<_>>().join(", ")
 }
 
-fn link(job: &Job) -> Result<Vec<Stages>, LinkError> {
+/// Links both stages in this process, and applies the restrictions on user text.
+pub fn link(job: &Job) -> Result<Stages, LinkError> {
     let library = shader::shipped_with(job.changed.clone());
-    let program = |wanted: &Wanted| {
-        let linker = if wanted.is_optimized { Linker::new()? } else { Linker::new()?.unoptimized() };
-        let entries = wanted.entries.each_ref().map(String::as_str);
-        link_allowed(&linker, &library, entries, &wanted.slots, || names(&job.changed))
-    };
-    job.programs.iter().map(program).collect()
-}
-
-/// Links both stages of a program and applies the restrictions on user text; `names` lists the files of that text.
-pub fn link_allowed(
-    linker: &Linker,
-    library: &Library,
-    entries: [&str; 2],
-    slots: &Slots,
-    names: impl FnOnce() -> String,
-) -> Result<Stages, LinkError> {
-    let link = |index: usize, stage| linker.link(library, entries[index], stage, &entries, slots);
+    let linker = if job.is_optimized { Linker::new()? } else { Linker::new()?.unoptimized() };
+    let entries = job.entries.each_ref().map(String::as_str);
+    let link = |index: usize, stage| linker.link(&library, entries[index], stage, &entries, &job.slots);
     let stages = link(0, Stage::Vertex).and_then(|vertex| Ok([vertex, link(1, Stage::Fragment)?]));
-    let stages = stages.map_err(|error| missing(library, slots, error))?;
+    let stages = stages.map_err(|error| missing(&library, &job.slots, error))?;
     match stages.iter().find_map(|module| refusal(module)) {
-        Some(refusal) => Err(LinkError::Compile(format!("{}: {refusal}", names()))),
+        Some(refusal) => Err(LinkError::Compile(format!("{}: {refusal}", names(&job.changed)))),
         None => Ok(stages),
     }
 }

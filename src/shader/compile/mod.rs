@@ -5,6 +5,6 @@ mod child;
 mod error;
 
 pub use allowed::refusal;
-pub use child::{JOB, Job, Wanted, check_lengths, compile, link_allowed, names, serve};
+pub use child::{JOB, Job, check_lengths, compile, link, names, serve};
 pub use error::{CompileError, Fault};
 pub use support::jobs::Limits;

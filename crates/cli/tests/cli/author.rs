@@ -26,7 +26,7 @@ fn job(library: &Library, dmf: &str) -> Job {
     scene.parameters.clear();
     (scene.effect.dmf, scene.effect.medium) = (vec![dmf.into()], "lit".into());
     let variant = Variant::of(&scene, library).unwrap();
-    Job { changed: shader::changed(library), programs: vec![variant.wanted(true)] }
+    variant.job(shader::changed(library), true)
 }
 
 /// A program with this text for the body of a DMF, compiled in a child.

@@ -54,8 +54,8 @@ impl Gate {
             return Ok(());
         }
         let wanted = programs(scene, library).map_err(|error| refused(&error))?;
-        let job = Job { changed, programs: wanted.iter().map(|variant| variant.wanted(true)).collect() };
-        let key = toml::to_string(&job).map_err(|error| refused(&error))?;
+        let jobs: Vec<Job> = wanted.iter().map(|variant| variant.job(changed.clone(), true)).collect();
+        let key = format!("{jobs:?}");
         if let Some(verdict) = held(&self.verdicts).get(&key) {
             return verdict.clone().map_or(Ok(()), |reason| Err(CompileError::Refused(reason)));
         }
