@@ -27,5 +27,7 @@ pub fn page(template: &str, report: &Value) -> String {
         environment.add_template(name, text).expect("the syntax of the templates is tested");
     }
     let context = minijinja::value::Serde(report);
-    environment.get_template(template).and_then(|page| page.render(context)).expect("the templates are tested")
+    let page = environment.get_template(template).and_then(|page| page.render(context));
+    // A slash is harmless in a page, and half of a picture.
+    page.expect("the templates are tested").replace("&#x2f;", "/") + "\n"
 }
