@@ -48,7 +48,7 @@ pub struct Render {
     /// Write the scene in use, complete with defaults.
     #[arg(long, value_name = "FILE")]
     pub save_scene: Option<PathBuf>,
-    /// Predict the cost of the picture from smaller ones, without writing a file.
+    /// Predict the cost from smaller pictures, without writing a file.
     #[arg(long, conflicts_with_all = ["frames", "shard"])]
     pub predict: bool,
     /// Draw with the fastest settings within this error, such as 1e-3. They replace the scene's settings for accuracy.
