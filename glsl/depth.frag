@@ -23,3 +23,5 @@ float ray_meets(float opacity_before, float alpha, float k) {
 #define ENDS sum.a >= 0.5
 #define GIVES half_depth
 #include "march.glsl"
+
+void main() { march(); }

@@ -5,8 +5,6 @@
 #include "interface.glsl"
 #include "vector.glsl"
 layout(location = 0) out vec4 fragment;
-vec3 position_eye;                      // eye space
-#define MEETS(matter, k) sum += (1.0 - sum.a) * (matter)        // PH 3.1: front to back
-#define ENDS sum.a >= full_opacity                              // PH 3.1: until opaque
-#define GIVES sum
-#include "march.glsl"
+#include "ray.glsl"
+
+void main() { march(); }

@@ -7,6 +7,9 @@ use std::ops::Range;
 /// Most vertices of a draw: a whole number of slices. Higher: lavapipe loses parts of slices (`docs/notes/drivers.md`).
 const MAX_VERTICES: u32 = 3072;
 
+/// Pixels along a side of a group of compute shader invocations: see `glsl/pixel.glsl`.
+const GROUP_SIDE: u32 = 8;
+
 /// A render target.
 #[derive(Clone, Copy)]
 pub struct Target<'a> {
@@ -201,6 +204,26 @@ impl Commands<'_> {
         }
     }
 
+    /// Runs a compute pipeline for each pixel of some areas of its picture, in groups of 8 x 8.
+    pub fn dispatch(&mut self, pipeline: &Pipeline, set: &BindSet, picture: &Image, areas: &[Area]) {
+        self.transition(picture, vk::ImageLayout::GENERAL);
+        let device = &self.gpu.0.device;
+        // SAFETY: the command buffer is being recorded outside a rendering; the set has the layout of the pipeline, and the
+        // caller keeps both until the submission has finished.
+        unsafe {
+            let point = vk::PipelineBindPoint::COMPUTE;
+            device.cmd_bind_pipeline(self.buffer, point, pipeline.handle);
+            device.cmd_bind_descriptor_sets(self.buffer, point, pipeline.layout, 0, &[set.handle], &[]);
+            for Area { columns, rows } in areas {
+                let bounds = [columns.start, rows.start, columns.end, rows.end];
+                let stage = vk::ShaderStageFlags::COMPUTE;
+                device.cmd_push_constants(self.buffer, pipeline.layout, stage, 0, bytemuck::cast_slice(&bounds));
+                let [width, height] = [columns, rows].map(|side| (side.len() as u32).div_ceil(GROUP_SIDE));
+                device.cmd_dispatch(self.buffer, width, height, 1);
+            }
+        }
+    }
+
     /// Transitions an image for sampling.
     pub fn sample(&mut self, image: &Image) {
         self.transition(image, vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
@@ -231,7 +254,10 @@ fn scope(layout: vk::ImageLayout) -> (vk::PipelineStageFlags2, vk::AccessFlags2)
     match layout {
         Layout::TRANSFER_SRC_OPTIMAL => (Stage::COPY, Access::TRANSFER_READ),
         Layout::TRANSFER_DST_OPTIMAL => (Stage::COPY, Access::TRANSFER_WRITE),
-        Layout::SHADER_READ_ONLY_OPTIMAL => (Stage::FRAGMENT_SHADER, Access::SHADER_SAMPLED_READ),
+        Layout::SHADER_READ_ONLY_OPTIMAL => {
+            (Stage::FRAGMENT_SHADER | Stage::COMPUTE_SHADER, Access::SHADER_SAMPLED_READ)
+        }
+        Layout::GENERAL => (Stage::COMPUTE_SHADER, Access::SHADER_STORAGE_WRITE),
         Layout::COLOR_ATTACHMENT_OPTIMAL => {
             (Stage::COLOR_ATTACHMENT_OUTPUT, Access::COLOR_ATTACHMENT_READ | Access::COLOR_ATTACHMENT_WRITE)
         }

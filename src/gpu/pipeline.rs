@@ -26,6 +26,8 @@ pub enum BindingKind {
     Image,
     /// A sampler.
     Sampler,
+    /// An image that a compute shader writes.
+    Storage,
 }
 
 /// Blending of premultiplied colors.
@@ -88,24 +90,7 @@ impl Pipeline {
     /// The device does not support the format, the sample count or sample shading, or rejects the program.
     pub fn new(gpu: &Gpu, description: &PipelineDescription<'_>) -> Result<Pipeline, GpuError> {
         check(gpu, description)?;
-        let device = &gpu.0.device;
-        let mut pipeline = Pipeline {
-            gpu: gpu.clone(),
-            handle: vk::Pipeline::null(),
-            layout: vk::PipelineLayout::null(),
-            set_layout: vk::DescriptorSetLayout::null(),
-            bindings: description.bindings.to_vec(),
-        };
-        let bindings: Vec<_> = description.bindings.iter().map(layout_binding).collect();
-        let set_info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
-        // SAFETY: the device is alive, and every pointer outlives its call; each handle is owned as soon as it exists.
-        unsafe {
-            pipeline.set_layout =
-                device.create_descriptor_set_layout(&set_info, None).named("vkCreateDescriptorSetLayout")?;
-            let layouts = [pipeline.set_layout];
-            let layout_info = vk::PipelineLayoutCreateInfo::default().set_layouts(&layouts);
-            pipeline.layout = device.create_pipeline_layout(&layout_info, None).named("vkCreatePipelineLayout")?;
-        }
+        let mut pipeline = Pipeline::with_layout(gpu, description.bindings, &[])?;
         let vertex = Module::new(gpu, description.vertex)?;
         let fragment = Module::new(gpu, description.fragment)?;
         let (entries, values): (Vec<_>, Vec<u8>) = specialization(description.constants);
@@ -120,6 +105,64 @@ impl Pipeline {
         let stages = [stage(vk::ShaderStageFlags::VERTEX, &vertex), stage(vk::ShaderStageFlags::FRAGMENT, &fragment)];
         pipeline.handle = compile(gpu, description, &stages, pipeline.layout)?;
         Ok(pipeline)
+    }
+
+    /// Compiles a compute pipeline for areas of a picture: see [`Commands::dispatch`](super::Commands::dispatch).
+    ///
+    /// # Errors
+    /// The device rejects the program.
+    pub fn compute(
+        gpu: &Gpu,
+        code: &[u32],
+        constants: &[(u32, u32)],
+        bindings: &[Binding],
+    ) -> Result<Pipeline, GpuError> {
+        let area = [vk::PushConstantRange::default().stage_flags(vk::ShaderStageFlags::COMPUTE).size(16)];
+        let mut pipeline = Pipeline::with_layout(gpu, bindings, &area)?;
+        let module = Module::new(gpu, code)?;
+        let (entries, values) = specialization(constants);
+        let constants = vk::SpecializationInfo::default().map_entries(&entries).data(&values);
+        let stage = vk::PipelineShaderStageCreateInfo::default()
+            .stage(vk::ShaderStageFlags::COMPUTE)
+            .module(module.handle)
+            .name(c"main")
+            .specialization_info(&constants);
+        let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(pipeline.layout)];
+        // SAFETY: every handle belongs to the device and every pointer outlives the call.
+        let pipelines = unsafe { gpu.0.device.create_compute_pipelines(gpu.0.pipeline_cache.handle, &info, None) };
+        let pipelines = pipelines.map_err(|(_, result)| result).named("vkCreateComputePipelines")?;
+        pipeline.handle = pipelines[0];
+        Ok(pipeline)
+    }
+
+    /// Creates the layouts of a pipeline.
+    fn with_layout(gpu: &Gpu, bindings: &[Binding], ranges: &[vk::PushConstantRange]) -> Result<Pipeline, GpuError> {
+        let device = &gpu.0.device;
+        let mut pipeline = Pipeline {
+            gpu: gpu.clone(),
+            handle: vk::Pipeline::null(),
+            layout: vk::PipelineLayout::null(),
+            set_layout: vk::DescriptorSetLayout::null(),
+            bindings: bindings.to_vec(),
+        };
+        let is_compute = !ranges.is_empty();
+        let bindings: Vec<_> = bindings.iter().map(|binding| layout_binding(binding, is_compute)).collect();
+        let set_info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
+        // SAFETY: the device is alive, and every pointer outlives its call; each handle is owned as soon as it exists.
+        unsafe {
+            pipeline.set_layout =
+                device.create_descriptor_set_layout(&set_info, None).named("vkCreateDescriptorSetLayout")?;
+            let layouts = [pipeline.set_layout];
+            let layout_info =
+                vk::PipelineLayoutCreateInfo::default().set_layouts(&layouts).push_constant_ranges(ranges);
+            pipeline.layout = device.create_pipeline_layout(&layout_info, None).named("vkCreatePipelineLayout")?;
+        }
+        Ok(pipeline)
+    }
+
+    /// Whether the pipeline is one of a compute shader.
+    pub fn is_compute(&self) -> bool {
+        self.bindings.iter().any(|binding| binding.kind == BindingKind::Storage)
     }
 
     /// Creates a descriptor set for a draw.
@@ -177,6 +220,8 @@ pub enum Resource {
     Image(Arc<Image>),
     /// A sampler.
     Sampler(Arc<Sampler>),
+    /// An image that a compute shader writes.
+    Storage(Arc<Image>),
 }
 
 impl Resource {
@@ -185,6 +230,7 @@ impl Resource {
             Resource::Uniform(_) => BindingKind::Uniform,
             Resource::Image(_) => BindingKind::Image,
             Resource::Sampler(_) => BindingKind::Sampler,
+            Resource::Storage(_) => BindingKind::Storage,
         }
     }
 }
@@ -212,6 +258,10 @@ impl BindSet {
                 image[0] = image[0].image_view(sampled.view).image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
                 write.image_info(&image)
             }
+            Resource::Storage(stored) => {
+                image[0] = image[0].image_view(stored.view).image_layout(vk::ImageLayout::GENERAL);
+                write.image_info(&image)
+            }
             Resource::Sampler(sampler) => {
                 image[0] = image[0].sampler(sampler.handle);
                 write.image_info(&image)
@@ -235,6 +285,7 @@ impl BindingKind {
             BindingKind::Uniform => vk::DescriptorType::UNIFORM_BUFFER,
             BindingKind::Image => vk::DescriptorType::SAMPLED_IMAGE,
             BindingKind::Sampler => vk::DescriptorType::SAMPLER,
+            BindingKind::Storage => vk::DescriptorType::STORAGE_IMAGE,
         }
     }
 }
@@ -247,13 +298,17 @@ fn specialization(constants: &[(u32, u32)]) -> (Vec<vk::SpecializationMapEntry>,
     (constants.iter().enumerate().map(entry).collect(), values.collect())
 }
 
-fn layout_binding(binding: &Binding) -> vk::DescriptorSetLayoutBinding<'static> {
+fn layout_binding(binding: &Binding, is_compute: bool) -> vk::DescriptorSetLayoutBinding<'static> {
     let mut stages = vk::ShaderStageFlags::empty();
-    if binding.vertex {
-        stages |= vk::ShaderStageFlags::VERTEX;
-    }
-    if binding.fragment {
-        stages |= vk::ShaderStageFlags::FRAGMENT;
+    if is_compute {
+        stages = vk::ShaderStageFlags::COMPUTE;
+    } else {
+        if binding.vertex {
+            stages |= vk::ShaderStageFlags::VERTEX;
+        }
+        if binding.fragment {
+            stages |= vk::ShaderStageFlags::FRAGMENT;
+        }
     }
     vk::DescriptorSetLayoutBinding::default()
         .binding(binding.index)

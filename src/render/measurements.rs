@@ -22,6 +22,12 @@ pub struct Frame {
 pub struct Measurements {
     /// Slots and modules of the program.
     pub modules: String,
+    /// Whether compute shaders traced the rays.
+    #[serde(default)]
+    pub is_compute: bool,
+    /// Whether rays found and shaded matter in one phase.
+    #[serde(default)]
+    pub is_direct: bool,
     /// Files of its objects besides those that the scene names.
     #[serde(default)]
     pub others: Vec<PathBuf>,

@@ -50,7 +50,7 @@ pub use part::{Part, Transform};
 pub use preset_texts::names;
 pub use presets::{EFFECTS, nearest_preset, preset};
 pub use quality::{
-    BlockFormat, EmptySpace, Filter, Integration, Jitter, Order, Pass, Proxy, Quality, TargetFormat, Wrap,
+    BlockFormat, EmptySpace, Filter, Integration, Jitter, Order, Pass, Proxy, Quality, ShaderStage, TargetFormat, Wrap,
 };
 pub use reach::Reach;
 pub use strategy::Repeat;

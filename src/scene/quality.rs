@@ -11,6 +11,8 @@ settings! {
         samples: u32 = 256 => Picture, whole(1.0, 100_000.0), usual(1.0, 4096.0), flag("samples");
         /// Integration along a ray.
         integration: Integration = Integration::Point => Images, Kind::Choice(Integration::CHOICES), flag("integration");
+        /// Shader stage that traces rays: the same picture.
+        stage: ShaderStage = ShaderStage::Auto => Targets, Kind::Choice(ShaderStage::CHOICES), flag("stage");
         /// Treatment of samples in empty space.
         empty_space: EmptySpace = EmptySpace::Skip => Images, Kind::Choice(EmptySpace::CHOICES), flag("empty-space");
         /// Whether terms that a parameter of 0 cancels are compiled out: the same picture but for roundings, sooner.
@@ -69,6 +71,19 @@ choices! {
         Point = "point",
         /// Density linear over half a step to either side. Second order at surfaces and in opaque matter.
         Segment = "segment",
+    }
+}
+
+choices! {
+    /// Shader stage that traces rays.
+    pub enum ShaderStage {
+        /// The faster one for a program on this device, as timed on a part of its first large picture.
+        #[default]
+        Auto = "auto",
+        /// Fragment shaders.
+        Fragment = "fragment",
+        /// Compute shaders: straight rays, one sample per pixel, a target of 32-bit floats; fragment shaders draw the rest.
+        Compute = "compute",
     }
 }
 

@@ -33,6 +33,7 @@ mod refraction;
 mod sampling;
 mod segment;
 mod shadows;
+mod stages;
 mod storage;
 mod strategies;
 mod stress;

@@ -25,6 +25,9 @@ pub struct Bench {
     /// Fewer runs, and no picture above 300 x 300: a minute or two on two cores.
     #[arg(long)]
     quick: bool,
+    /// Time rays by each shader stage instead, up to 1920 x 1080 pixels.
+    #[arg(long)]
+    stages: bool,
     /// Timed runs of each row, 1 to 1000 [default: 7; quick: 3].
     #[arg(long, value_name = "RUNS")]
     repeat: Option<usize>,
@@ -48,7 +51,10 @@ pub(super) fn run(command: &Bench, options: &Options, quiet: bool) -> Result<(),
     }
     let saved = command.baseline.as_deref().map(read).transpose()?;
     let library = bench::library();
-    let groups = bench::suite(&library, command.quick, &command.rows)?;
+    let groups = match command.stages {
+        true => bench::stages(command.quick, &command.rows)?,
+        false => bench::suite(&library, command.quick, &command.rows)?,
+    };
     if groups.is_empty() {
         return Err(format!(
             "{}: no row has such a name; try effects, scenes, growth, encodings or proxies",

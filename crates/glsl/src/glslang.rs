@@ -54,6 +54,7 @@ pub(super) fn compiled(text: &Text<'_>, include: &Include<'_>) -> Result<Vec<u32
     let kind = match text.stage {
         Stage::Vertex => shaderc::ShaderKind::Vertex,
         Stage::Fragment => shaderc::ShaderKind::Fragment,
+        Stage::Compute => shaderc::ShaderKind::Compute,
     };
     match started()?.compile_into_spirv(text.text, kind, text.name, "main", Some(&options)) {
         Ok(artifact) => Ok(artifact.as_binary().to_vec()),

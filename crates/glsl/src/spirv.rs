@@ -1,6 +1,6 @@
 //! SPIR-V modules as sequences of instructions, with the names of the specification.
 
-pub use ::spirv::{Capability, Decoration, Op, StorageClass};
+pub use ::spirv::{Capability, Decoration, ExecutionModel, Op, StorageClass};
 
 /// Words before the first instruction.
 pub const HEADER: usize = 5;

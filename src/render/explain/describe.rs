@@ -4,6 +4,7 @@ use super::warnings::warnings;
 use crate::render::measurements::Measurements;
 use crate::render::subject::Subject;
 use crate::render::variant::{Variant, why_left_out};
+use crate::scene::Pass;
 use crate::shader::Library;
 use crate::shader::slots::FOLDED;
 
@@ -15,6 +16,11 @@ pub fn describe_frame(m: &Measurements, variant: &Variant, subject: &Subject, li
         line("program", if m.shipped { "ships" } else { "linked for this scene" }.into()),
         line("modules", m.modules.clone()),
     ];
+    if variant.scene.quality.pass == Pass::March {
+        let stage = if m.is_compute { "compute" } else { "fragment" };
+        let phases = if m.is_direct { "one phase" } else { "two phases, finding and shading" };
+        lines.push(line("rays", format!("{stage} shader, in {phases}")));
+    }
     for image in m.images.iter().filter(|image| image.size != [1; 3]) {
         let axes = image.size.iter().rposition(|side| *side > 1).map_or(1, |last| last + 1);
         let size = image.size[..axes].iter().map(u32::to_string).collect::<Vec<_>>().join(" x ");

@@ -3,7 +3,7 @@
 use crate::render::measurements::Measurements;
 use crate::render::subject::Subject;
 use crate::render::variant::Variant;
-use crate::scene::{Pass, Scene, TargetFormat};
+use crate::scene::{Pass, RayPath, Scene, ShaderStage, TargetFormat};
 use crate::shape::{self, Shape, Solid};
 
 /// Invisible opacity: half a code of 8 bits.
@@ -22,6 +22,7 @@ pub fn warnings(m: &Measurements, variant: &Variant, subject: &Subject) -> Vec<S
         is_soft.then(|| no_width(scene, outer)).flatten(),
         is_soft.then(|| no_core(scene, outer, subject)).flatten(),
         lost_in_target(m, scene),
+        not_computed(m, scene),
         terraces(m, subject),
         thin_shell(scene, subject),
         guessed_sign(scene, subject),
@@ -57,6 +58,20 @@ fn no_core(scene: &Scene, outer: f32, subject: &Subject) -> Option<String> {
             "no place lies as deep as object.inner_iso = {inner}, the deepest at {deepest:.3}: the density is {densest:.2} at most"
         )
     })
+}
+
+/// Rays were to be traced by a compute shader, which cannot trace them.
+fn not_computed(m: &Measurements, scene: &Scene) -> Option<String> {
+    let why = match &scene.quality {
+        quality if quality.stage != ShaderStage::Compute || m.is_compute => return None,
+        _ if cfg!(not(feature = "glsl")) => "this build links no programs (feature `glsl`)",
+        quality if quality.pass == Pass::Slices => "slices are blended",
+        quality if quality.msaa > 1 => "quality.msaa shades samples of a pixel",
+        quality if quality.target != TargetFormat::Float32 => "it stores quality.target = float32",
+        _ if scene.effect.ray_path == RayPath::Refracted => "bent rays compare their directions with their neighbors'",
+        _ => "a module reads gl_FragCoord or derivatives, or samples by `texture`",
+    };
+    Some(format!("quality.stage = compute: fragment shaders drew the picture, since {why}"))
 }
 
 /// The target has too few bits for thin matter.

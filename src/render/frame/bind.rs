@@ -5,7 +5,7 @@ use crate::render::camera::{FrameContext, SubFrame};
 use crate::render::cells::{self, BackgroundCells, CellStats, EmptyCells, Tiles};
 use crate::render::error::RenderError;
 use crate::render::inputs::{Encoded, Filter, ImageInfo, Inputs, Sparse, StoredObjects, Values, blocks};
-use crate::render::variant::{Blocks, OCTAVES_ID, Program, Resource, Use, bindings};
+use crate::render::variant::{Blocks, OCTAVES_ID, PICTURE_BINDING, Program, Resource, Use, bindings};
 use crate::scene::Scene;
 use crate::shader::Library;
 use std::sync::Arc;
@@ -231,8 +231,13 @@ pub(crate) fn pipeline(
     samples: u32,
     (blend, marks): (gpu::Blend, gpu::Marks),
 ) -> Result<gpu::Pipeline, gpu::GpuError> {
-    let bindings: Vec<gpu::Binding> = program.resources.iter().map(binding).collect();
+    let mut bindings: Vec<gpu::Binding> = program.resources.iter().map(binding).collect();
     let (vertex, fragment, constants) = (&program.vertex, &program.fragment, &[(OCTAVES_ID, scene.effect.octaves)]);
+    if program.is_compute {
+        let kind = gpu::BindingKind::Storage;
+        bindings.push(gpu::Binding { index: PICTURE_BINDING, kind, vertex: false, fragment: false });
+        return gpu::Pipeline::compute(gpu, fragment, constants, &bindings);
+    }
     let description = gpu::PipelineDescription {
         vertex,
         fragment,

@@ -12,6 +12,7 @@ mod prepared;
 mod renderer;
 mod shadow;
 mod submission_budget;
+mod trial;
 
 pub use depth::check_depth;
 pub(crate) use early_exit::OpaqueMask;

@@ -87,9 +87,13 @@ impl PassTiming {
         vertices: Option<&Buffer>,
         into: Target<'_>,
     ) -> Result<PassTiming, GpuError> {
+        let area = Area { columns: 0..1, rows: 0..1 };
         let cost = gpu.submit("first use", |commands| {
+            if pipeline.is_compute() {
+                return commands.dispatch(pipeline, set, into.color, &[area]);
+            }
             commands.render(into, Load::Clear([0.0; 4]), |draw| {
-                draw.within(&Area { columns: 0..1, rows: 0..1 });
+                draw.within(&area);
                 draw.triangles(pipeline, set, vertices, 0..3);
             });
         })?;
@@ -138,6 +142,9 @@ pub fn march(
         control.check(drawn.gpu_ms)?;
         let taken = take(&mut left, (control.budget.samples() / samples) as u64);
         let cost = gpu.submit("rays", |commands| {
+            if pipeline.is_compute() {
+                return commands.dispatch(pipeline, set, into.color, &taken);
+            }
             commands.render(into, load, |draw| {
                 for area in &taken {
                     draw.within(area);

@@ -16,7 +16,7 @@ use crate::render::error::RenderError;
 use crate::render::inputs::Inputs;
 use crate::render::measurements::{Frame, Measurements};
 use crate::render::subject::Subject;
-use crate::render::variant::{Program, Variant, bindings};
+use crate::render::variant::{PICTURE_BINDING, Program, Variant, bindings};
 use crate::scene::schema::Changes;
 use crate::scene::{Pass, Scene};
 use crate::shader::slots::FOLDED;
@@ -38,9 +38,9 @@ pub(crate) struct Reusable {
 
 /// Compiled pipelines, with the state of their targets.
 #[derive(Clone)]
-struct Pipelines {
+pub(super) struct Pipelines {
     shape: Shape,
-    picture: Arc<gpu::Pipeline>,
+    pub(super) picture: Arc<gpu::Pipeline>,
     /// Shadow casting, with `light.shadows`.
     caster: Option<ShadowCaster>,
     /// Light buffers, with half-angle slicing.
@@ -54,17 +54,20 @@ struct Pipelines {
 /// Octaves, vertex attributes, target format, samples, blending, and use of the opaque mask.
 type Shape = (u32, &'static [u32], gpu::Format, u32, gpu::Blend, gpu::Marks);
 
+/// Work before the first rays of a picture, once its blocks are filled.
+pub(super) type Prelude<'a> = &'a mut dyn FnMut(&mut Prepared, &FrameContext) -> Result<(), RenderError>;
+
 /// A scene with program, pipelines, images and targets.
 pub(crate) struct Prepared {
-    gpu: Gpu,
+    pub(super) gpu: Gpu,
     /// The scene with the modules of its program, which may serve others.
-    variant: Variant,
+    pub(super) variant: Variant,
     destination: Destination,
     pub(crate) program: Program,
     pub(crate) bound: BoundInputs,
-    pipelines: Pipelines,
+    pub(super) pipelines: Pipelines,
     /// Render target, and its resolve target with multisampling.
-    targets: Option<(Arc<gpu::Image>, Option<gpu::Image>)>,
+    pub(super) targets: Option<(Arc<gpu::Image>, Option<gpu::Image>)>,
     /// Early exit of slices.
     marks: Option<OpaqueMask>,
     compile_ms: f64,
@@ -278,15 +281,28 @@ impl Prepared {
         self.pipelines.depth.insert(depth).draw(&self.gpu, &frame, &self.bound, stop)
     }
 
+    /// Pipeline of another program of the scene, for the targets.
+    pub(super) fn pipeline_of(&self, program: &Program) -> Result<gpu::Pipeline, gpu::GpuError> {
+        let (_, attributes, format, samples, blend, heeds) = self.pipelines.shape;
+        bind::pipeline(&self.gpu, program, &self.variant.scene, attributes, format, samples, (blend, heeds))
+    }
+
+    /// Draws later pictures by another program that reads the same resources.
+    pub(super) fn replace_program(&mut self, variant: Variant, program: Program, pipeline: gpu::Pipeline) {
+        (self.variant, self.program) = (variant, program);
+        (self.pipelines.picture, self.pipelines.budget) = (Arc::new(pipeline), SubmissionBudget::default());
+    }
+
     /// The frame pipeline: areas of a picture of a scene that fits, averaged over the `wanted` sub-frames. Returns the
     /// pixels of the areas in order, or `None` if the device has cut the loops of two-phase rays. `stop` receives the
-    /// milliseconds on the device.
+    /// milliseconds on the device. `prelude` may replace the program.
     pub(crate) fn frame(
         &mut self,
         variant: &Variant,
         subject: &Subject,
         areas: &[gpu::Area],
         wanted: impl Fn(u32) -> bool,
+        mut prelude: Option<Prelude<'_>>,
         stop: &dyn Fn(f64) -> bool,
     ) -> Result<Option<Frame>, RenderError> {
         let (frame, scene) = (self.context(variant, subject), &variant.scene);
@@ -300,6 +316,11 @@ impl Prepared {
             if let Some([now, before]) = self.cast(&frame, &|ms| stop(so_far + ms))? {
                 shadow_ms = Some(shadow_ms.unwrap_or(0.0) + now);
                 shadow_before_ms += if pictures.count == 0 { before } else { 0.0 };
+            }
+            if let Some(prelude) = prelude.take() {
+                let start = Instant::now();
+                prelude(self, &frame)?;
+                self.compile_ms += start.elapsed().as_secs_f64() * 1e3;
             }
             let Some((color, resolved)) = &self.targets else { continue };
             let marks = self.marks.as_ref().map(|marks| &marks.image);
@@ -324,7 +345,7 @@ impl Prepared {
                     pass::draw(gpu, pipeline, [&set; 2], vertices, stack, places, target, &between, &mut control)?
                 }
                 (None, _) => {
-                    let set = pipeline.bind(&self.bound.resources())?;
+                    let set = bind_rays((&self.program, pipeline), &self.bound, color)?;
                     pass::march(gpu, pipeline, &set, (areas, frame.planes.count), target, &mut control)?
                 }
             });
@@ -342,6 +363,8 @@ impl Prepared {
         let targets: u64 = images.map(gpu::Image::bytes).sum();
         let measurements = Measurements {
             modules: frame.variant.key(),
+            is_compute: self.program.is_compute,
+            is_direct: scene.quality.pass == Pass::March && !self.variant.uses_two_phase(),
             others: Vec::new(),
             shipped: self.program.shipped,
             left_out: self.program.left_out(),
@@ -371,4 +394,15 @@ impl Prepared {
         };
         Ok(Some(Frame { size: scene.image.size, pixels, measurements }))
     }
+}
+
+/// Binds the inputs of rays, and the target of a compute shader.
+pub(super) fn bind_rays(
+    (program, pipeline): (&Program, &gpu::Pipeline),
+    bound: &BoundInputs,
+    target: &Arc<gpu::Image>,
+) -> Result<gpu::BindSet, gpu::GpuError> {
+    let mut resources = bound.resources();
+    resources.extend(program.is_compute.then(|| (PICTURE_BINDING, gpu::Resource::Storage(target.clone()))));
+    pipeline.bind(&resources)
 }

@@ -4,7 +4,8 @@ use super::background::BackgroundPrepare;
 use super::depth::by_rays;
 use super::destination::Destination;
 use super::pixels::paste_areas;
-use super::prepared::{Prepared, Reusable};
+use super::prepared::{Prelude, Prepared, Reusable};
+use super::trial::{self, Way};
 use crate::field::Progress;
 use crate::gpu::{Area, Format, Gpu, HostCommands, Recording};
 use crate::render::camera::FrameContext;
@@ -13,8 +14,9 @@ use crate::render::error::RenderError;
 use crate::render::measurements::Frame;
 use crate::render::subject::Subject;
 use crate::render::variant::{Checkable, Variant};
-use crate::scene::{Order, Scene};
+use crate::scene::{Order, Pass, Scene, ShaderStage};
 use crate::shader::{Library, Slots};
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
@@ -44,6 +46,8 @@ pub struct Renderer {
     stop: Stop,
     /// Modules and samples of scenes whose two-phase rays the device has cut short.
     cut_short: Vec<(Slots, u32)>,
+    /// Ways to draw that trials have chosen, by the modules of the scene.
+    ways: BTreeMap<Slots, Way>,
     /// Preparation of a host's next scene.
     preparing: Option<BackgroundPrepare>,
     /// Time of preparing the next picture, milliseconds.
@@ -66,6 +70,7 @@ impl Renderer {
             whole: None,
             stop: Arc::new(|_| false),
             cut_short: Vec::new(),
+            ways: BTreeMap::new(),
             preparing: None,
             prepared_ms: 0.0,
         }
@@ -94,7 +99,9 @@ impl Renderer {
     /// As [`render`].
     pub fn prepare(&mut self, scene: &impl Checkable, progress: Progress<'_>) -> Result<(), RenderError> {
         let start = Instant::now();
-        let variant = self.variant(scene)?;
+        let own = scene.checked(&self.library)?.into_owned();
+        self.recall(&own);
+        let variant = self.variant(&own)?;
         self.prepared(&variant, Destination::Frame, progress)?;
         self.prepared_ms += start.elapsed().as_secs_f64() * 1e3;
         Ok(())
@@ -167,20 +174,30 @@ impl Renderer {
         number: Option<u32>,
     ) -> Result<Frame, RenderError> {
         let (start, before) = (Instant::now(), own_processor_time());
-        let mut variant = self.variant(scene)?;
+        let own = scene.checked(&self.library)?.into_owned();
+        let mut is_open = self.recall(&own);
+        let mut variant = self.variant(&own)?;
         let count = variant.scene.quality.supersampling;
         assert!(number.is_none_or(|number| number < count), "{number:?} of {count}");
         let (subject, stop) = (self.subject.clone(), self.stop.clone());
         let wanted = |own: u32| number.is_none_or(|number| number == own);
+        let (mut found, library) = (None, self.library.clone());
+        let mut choose = |prepared: &mut Prepared, frame: &FrameContext| {
+            found = Some(prepared.choose_way(&own, &library, frame, &*stop)?);
+            Ok(())
+        };
         let mut frame = loop {
+            let prelude: Option<Prelude<'_>> = if is_open { Some(&mut choose) } else { None };
             let prepared = self.prepared(&variant, Destination::Frame, &|_| ())?;
-            let frame = prepared.frame(&variant, &subject, areas, wanted, &*stop);
+            let frame = prepared.frame(&variant, &subject, areas, wanted, prelude, &*stop);
             match frame.map_err(|error| with_module_cause(error, &self.library, &variant, &subject))? {
                 Some(frame) => break frame,
                 None => self.cut_short.push((variant.slots.clone(), variant.scene.quality.samples)),
             }
-            variant = variant.without_two_phase();
+            (variant, is_open) = (variant.without_two_phase(), false);
         };
+        self.ways.extend(found.map(|way| (own.slots.clone(), way)));
+        frame.measurements.modules = own.key(); // whatever the way to draw them
         frame.measurements.total_ms = std::mem::take(&mut self.prepared_ms) + start.elapsed().as_secs_f64() * 1e3;
         let taken = own_processor_time().zip(before).map(|(after, before)| after.saturating_sub(before));
         frame.measurements.processor_ms = taken.map(|taken| taken.as_secs_f64() * 1e3);
@@ -283,7 +300,7 @@ impl Renderer {
         if scene.is_half_angle() {
             return Err(RenderError::Recorded("light.method = \"volume\""));
         }
-        let mut variant = self.variant(&scene)?;
+        let mut variant = self.plain(&Variant::of(&scene, &self.library)?);
         if !scene.may_find_first(&self.library) {
             variant = variant.without_two_phase(); // two-phase artifacts would not be noticed here
         }
@@ -310,12 +327,39 @@ impl Renderer {
         Ok(())
     }
 
-    /// Modules of a scene: in one phase where the device has cut two-phase rays short.
+    /// The variant that draws a scene: [`Renderer::plain`], or in the way that a trial chose.
     fn variant(&self, scene: &impl Checkable) -> Result<Variant, RenderError> {
-        let variant = scene.checked(&self.library)?.into_owned();
-        let samples = variant.scene.quality.samples;
-        let is_cut = self.cut_short.iter().any(|(slots, cut)| *slots == variant.slots && *cut <= samples);
-        Ok(if is_cut { variant.without_two_phase() } else { variant.for_device(self.gpu.info().cpu) })
+        let own = scene.checked(&self.library)?;
+        let plain = self.plain(&own);
+        let way = match own.scene.quality.stage {
+            ShaderStage::Fragment => None,
+            ShaderStage::Compute => plain.in_compute(&self.library),
+            ShaderStage::Auto if self.is_cut(&own) => None,
+            ShaderStage::Auto => self.ways.get(&own.slots).and_then(|way| way.applied(&own, &self.library)),
+        };
+        Ok(way.unwrap_or(plain))
+    }
+
+    /// The variant that draws that of a scene by fragment shaders: in one phase where the device has cut two-phase rays
+    /// short, else as suits most devices of its kind.
+    fn plain(&self, own: &Variant) -> Variant {
+        if self.is_cut(own) { own.without_two_phase() } else { own.clone().for_device(self.gpu.info().cpu) }
+    }
+
+    fn is_cut(&self, own: &Variant) -> bool {
+        let samples = own.scene.quality.samples;
+        self.cut_short.iter().any(|(slots, cut)| *slots == own.slots && *cut <= samples)
+    }
+
+    /// Looks the way to draw a scene up on disk. Returns whether it is still to be chosen.
+    fn recall(&mut self, own: &Variant) -> bool {
+        let quality = &own.scene.quality;
+        let is_open = quality.stage == ShaderStage::Auto && quality.pass == Pass::March && trial::pays(own);
+        if is_open && !self.ways.contains_key(&own.slots) {
+            let remembered = Way::remembered(&self.gpu, own, &self.library);
+            self.ways.extend(remembered.map(|way| (own.slots.clone(), way)));
+        }
+        is_open && !self.ways.contains_key(&own.slots) && !self.is_cut(own)
     }
 
     /// Finds or prepares the cache entry of a scene.

@@ -33,8 +33,8 @@ impl Variant {
             Some(job) => link_under_limits(library.compiler(), &job)?,
             None => {
                 let linker = linker()?;
-                let link = |entry, stage| linker.link(library, entry, stage, &entries, &self.slots);
-                [link(entries[0], Stage::Vertex)?, link(entries[1], Stage::Fragment)?]
+                let link = |entry| linker.link(library, entry, Stage::of(entry), &entries, &self.slots);
+                [link(entries[0])?, link(entries[1])?]
             }
         };
         save(key, &stages);

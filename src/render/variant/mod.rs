@@ -14,6 +14,7 @@ pub use crate::scene::FORMULAS;
 pub use error::VariantError;
 pub(crate) use program::parts;
 pub use program::{Blocks, OCTAVES_ID, Program, why_left_out};
+pub(crate) use reflect::PICTURE_BINDING;
 pub use reflect::{Block, Member, ReflectError, Resource, Use};
 pub use scene_variant::{Checkable, Purpose, Variant, slot_of};
 

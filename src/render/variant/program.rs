@@ -25,8 +25,10 @@ pub type Blocks = BTreeMap<u32, Vec<u8>>;
 pub struct Program {
     /// SPIR-V of the vertex stage.
     pub vertex: Vec<u32>,
-    /// SPIR-V of the fragment stage.
+    /// SPIR-V of the fragment stage, or of the compute stage.
     pub fragment: Vec<u32>,
+    /// Whether it is a compute shader.
+    pub is_compute: bool,
     /// Bindings that either stage reads.
     pub resources: Vec<Resource>,
     /// Whether it was linked at build time.
@@ -36,7 +38,8 @@ pub struct Program {
 impl Program {
     pub(super) fn of(vertex: Vec<u32>, fragment: Vec<u32>, shipped: bool) -> Result<Program, VariantError> {
         let resources = reflect::resources(&vertex, &fragment)?;
-        Ok(Program { vertex, fragment, resources, shipped })
+        let is_compute = reflect::is_compute(&fragment);
+        Ok(Program { vertex, fragment, is_compute, resources, shipped })
     }
 
     /// Whether the program reads a binding.

@@ -1,10 +1,15 @@
 //! Reflection of optimized SPIR-V: the live bindings of a program.
 
-use crate::shader::spirv::{Decoration, Op, instructions};
+use crate::shader::spirv::{Decoration, ExecutionModel, Op, instructions};
 use spirq::ReflectConfig;
 use spirq::ty::{DescriptorType, Type};
 use spirq::var::Variable;
 use std::collections::{BTreeSet, HashMap};
+
+/// Binding of the picture that a compute shader writes: see `glsl/march.comp`.
+pub(crate) const PICTURE_BINDING: u32 = 61;
+/// Push constants of a compute shader: see `glsl/pixel.glsl`.
+const AREA_BLOCK: &str = "Area";
 
 /// A binding of set 0.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,6 +108,12 @@ pub(super) fn resources(vertex: &[u32], fragment: &[u32]) -> Result<Vec<Resource
     Ok(all)
 }
 
+/// Whether a module is a compute shader.
+pub(super) fn is_compute(code: &[u32]) -> bool {
+    const COMPUTE: u32 = ExecutionModel::GLCompute as u32;
+    instructions(code).any(|instruction| matches!(instruction, (Op::EntryPoint, &[_, COMPUTE, ..])))
+}
+
 /// Block members that a stage reads: pairs of a binding and a member index.
 pub(super) fn members_read(code: &[u32]) -> BTreeSet<(u32, u32)> {
     const BINDING: u32 = Decoration::Binding as u32;
@@ -130,6 +141,7 @@ fn stage(code: &[u32]) -> Result<Vec<Resource>, ReflectError> {
     let variables = entries.into_iter().flat_map(|entry| entry.vars);
     variables
         .filter_map(|variable| match variable {
+            Variable::Descriptor { desc_bind, .. } if desc_bind.bind() == PICTURE_BINDING => None,
             Variable::Descriptor { name, desc_bind, desc_ty, ty, .. } => {
                 let name = name.filter(|name| !name.is_empty()).or_else(|| type_name(&ty)).unwrap_or_default();
                 let holds = match (&desc_ty, &ty, desc_bind.set()) {
@@ -142,7 +154,9 @@ fn stage(code: &[u32]) -> Result<Vec<Resource>, ReflectError> {
                 let binding = desc_bind.bind();
                 Some(holds.map(|holds| Resource { name, binding, holds, vertex: false, fragment: false }))
             }
-            Variable::PushConstant { name, .. } => Some(Err(ReflectError::Foreign(name.unwrap_or_default()))),
+            Variable::PushConstant { name, ty, .. } if type_name(&ty).is_none_or(|block| block != AREA_BLOCK) => {
+                Some(Err(ReflectError::Foreign(name.unwrap_or_default())))
+            }
             _ => None,
         })
         .collect()

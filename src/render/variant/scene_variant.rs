@@ -4,13 +4,20 @@ use super::error::VariantError;
 use super::program::{self, Program, shipped_programs};
 use crate::noise::Period;
 use crate::render::texture;
-use crate::scene::{Color, FieldEncoding, Integration, ParameterValue, Parameters, SHADOW_SAMPLES, Scene};
+use crate::scene::{
+    Color, FieldEncoding, Integration, ParameterValue, Parameters, SHADOW_SAMPLES, Scene, TargetFormat,
+};
 use crate::shader::slots::{FOLDED, objects, qualified};
 use crate::shader::{Library, LinkError, Linker, Parameter, Slots};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::iter;
 
+/// Entry file of straight rays, and the compute shader of the same rays.
+const RAY_ENTRY: &str = "march.frag";
+const COMPUTE_ENTRY: &str = "march.comp";
+/// Parts of GLSL that fragment shaders alone have.
+const FRAGMENT_ONLY: [&str; 4] = ["gl_Frag", "dFd", "fwidth", "texture("];
 /// Replacements, in programs of shadows and depth, of modules that color and light matter.
 const SHADOW_SLOTS: [(&str, &str); 4] =
     [("surface", "unlit"), ("medium", "material"), ("shadow", "none"), ("gradient", "analytic")];
@@ -139,6 +146,28 @@ impl Variant {
         self.slots.iter().any(|(key, names)| slot_of(key) == "warp" && !names.is_empty())
     }
 
+    /// The variant whose rays are traced by a compute shader. `None` for slices, bent rays, several samples per pixel, a
+    /// target other than of 32-bit floats, custom modules with GLSL that fragment shaders alone have, and without the
+    /// feature `glsl`.
+    pub(crate) fn in_compute(&self, library: &Library) -> Option<Variant> {
+        let ([vertex, entry], quality) = (self.entries, &self.scene.quality);
+        let has_storage = quality.target == TargetFormat::Float32 && quality.msaa == 1;
+        let is_fragment = |(path, text): (&String, &String)| {
+            self.reaches(library, path) && FRAGMENT_ONLY.iter().any(|part| text.contains(part))
+        };
+        // Compute shaders are linked where they are used.
+        let runs = cfg!(feature = "glsl")
+            && entry == RAY_ENTRY
+            && has_storage
+            && !crate::shader::changed(library).iter().any(is_fragment);
+        runs.then(|| Variant { entries: [vertex, COMPUTE_ENTRY], ..self.clone() })
+    }
+
+    /// Whether its rays are traced by a compute shader.
+    pub(crate) fn is_compute(&self) -> bool {
+        self.entries[1] == COMPUTE_ENTRY
+    }
+
     /// The variant that finds and shades matter in one phase.
     pub(crate) fn without_two_phase(&self) -> Variant {
         let mut variant = self.clone();
@@ -244,7 +273,8 @@ impl Variant {
     ) -> Result<Program, VariantError> {
         let key = self.key();
         let ships = shipped_programs().binary_search_by(|program| program.0.cmp(&key)).ok();
-        let ships = ships.filter(|_| self.entries != Purpose::Depth.entries()); // shares its modules with a picture
+        // These share their modules with a picture.
+        let ships = ships.filter(|_| self.entries != Purpose::Depth.entries() && !self.is_compute());
         let shipped = ships.filter(|_| *library == crate::shader::shipped()).and_then(|index| {
             let (_, vertex, fragment) = shipped_programs()[index];
             Some([program::words(vertex).ok()?, program::words(fragment).ok()?])

@@ -83,8 +83,8 @@ pub fn link(job: &Job) -> Result<Stages, LinkError> {
     let library = shader::shipped_with(job.changed.clone());
     let linker = if job.is_optimized { Linker::new()? } else { Linker::new()?.unoptimized() };
     let entries = job.entries.each_ref().map(String::as_str);
-    let link = |index: usize, stage| linker.link(&library, entries[index], stage, &entries, &job.slots);
-    let stages = link(0, Stage::Vertex).and_then(|vertex| Ok([vertex, link(1, Stage::Fragment)?]));
+    let link = |entry| linker.link(&library, entry, Stage::of(entry), &entries, &job.slots);
+    let stages = link(entries[0]).and_then(|vertex| Ok([vertex, link(entries[1])?]));
     let stages = stages.map_err(|error| missing(&library, &job.slots, error))?;
     match stages.iter().find_map(|module| refusal(module)) {
         Some(refusal) => Err(LinkError::Compile(format!("{}: {refusal}", names(&job.changed)))),

@@ -8,5 +8,5 @@ mod suite;
 mod timed;
 
 pub use report::{Change, Mismatch, changes, table};
-pub use suite::{Row, Work, library, suite};
+pub use suite::{Row, Work, library, stages, suite};
 pub use timed::{Against, Bench, Timed, measure};

@@ -4,7 +4,8 @@ use crate::compare::paper::numbers;
 use hypertexture::field::Request;
 use hypertexture::render::{open, request};
 use hypertexture::scene::{
-    self, EFFECTS, EmptySpace, FieldEncoding, Object, ParameterValue, Pass, Proxy, Scene, SceneError,
+    self, EFFECTS, EmptySpace, FieldEncoding, LightMethod, Object, ParameterValue, Pass, Proxy, RayPath, Scene,
+    SceneError, ShaderStage, TargetFormat,
 };
 use hypertexture::shader::{self, Library};
 use hypertexture::shape::{Mesh, Shape};
@@ -13,6 +14,8 @@ use hypertexture::shape::{Mesh, Shape};
 const SAMPLES: u32 = 256;
 /// Sides of the pictures of the effects, pixels: the smaller window of the paper, and four times its pixels.
 const SIDES: [u32; 2] = [300, 600];
+/// Sizes of the pictures of the stages, pixels.
+const STAGE_SIZES: [[u32; 2]; 3] = [[300, 300], [1024, 768], [1920, 1080]];
 /// Side of the other pictures.
 const SIDE: u32 = 128;
 /// Voxels along the longest side of an object.
@@ -95,6 +98,46 @@ pub fn suite(library: &Library, quick: bool, names: &[String]) -> Result<Vec<Vec
     }
     groups.extend(growth(quick)?);
     groups.extend(variants()?);
+    Ok(chosen(groups, names))
+}
+
+/// The effects of the paper on a teapot and all presets by rays, in groups of one row for each shader stage that may trace
+/// them. `quick` and `names` as in [`suite`].
+///
+/// # Errors
+/// A preset cannot be read.
+pub fn stages(quick: bool, names: &[String]) -> Result<Vec<Vec<Row>>, SceneError> {
+    let mut groups = Vec::new();
+    for size in if quick { &STAGE_SIZES[..1] } else { &STAGE_SIZES } {
+        for name in scene::names() {
+            let mut scene = scene::preset(name)?;
+            if EFFECTS.contains(&name) {
+                (scene.object.input, scene.object.resolution) = ("teapot".into(), RESOLUTION);
+            }
+            if scene.effect.ray_path == RayPath::Refracted {
+                continue; // by fragment shaders only
+            }
+            (scene.image.size, scene.quality.samples) = (*size, SAMPLES);
+            (scene.quality.pass, scene.quality.msaa, scene.quality.target) = (Pass::March, 1, TargetFormat::Float32);
+            if scene.is_half_angle() {
+                (scene.light.method, scene.light.translucency) = (LightMethod::Volume, 0.0);
+            }
+            let row = |stage: ShaderStage| {
+                let mut scene = scene.clone();
+                scene.quality.stage = stage;
+                Row::picture(format!("stages/{name}, {} x {}, {}", size[0], size[1], stage.name()), scene)
+            };
+            let fragment = row(ShaderStage::Fragment);
+            let others =
+                [ShaderStage::Compute, ShaderStage::Auto].map(|stage| row(stage).against(&fragment.name, "fragment"));
+            groups.push([fragment].into_iter().chain(others).collect());
+        }
+    }
+    Ok(chosen(groups, names))
+}
+
+/// Rows of groups whose name contains one of `names`, with the rows that they are compared with; all without names.
+fn chosen(mut groups: Vec<Vec<Row>>, names: &[String]) -> Vec<Vec<Row>> {
     if !names.is_empty() {
         for group in &mut groups {
             let wanted = |row: &Row| names.iter().any(|name| row.name.contains(name));
@@ -107,7 +150,7 @@ pub fn suite(library: &Library, quick: bool, names: &[String]) -> Result<Vec<Vec
         }
         groups.retain(|group| !group.is_empty());
     }
-    Ok(groups)
+    groups
 }
 
 /// An effect on an object.
