@@ -81,19 +81,25 @@ fn scenes_that_compute_shaders_cannot_draw_say_so_and_are_drawn() {
         let shipped = shader::shipped();
         let text = "vec3 surface(Sample s) { return vec3(fract(gl_FragCoord.x)); }\n";
         let custom = shipped.clone().with_module("surface", "columns", text);
-        let cases: [(&str, &dyn Fn(&mut Scene), &str); 5] = [
-            ("slices", &|scene| scene.quality.pass = Pass::Slices, "slices are blended"),
-            ("msaa", &|scene| scene.quality.msaa = 4, "quality.msaa"),
-            ("target", &|scene| scene.quality.target = TargetFormat::Float16, "float32"),
-            ("bent", &|scene| scene.effect.ray_path = RayPath::Refracted, "bent rays"),
-            ("custom", &|scene| scene.effect.surface = "columns".into(), "gl_FragCoord"),
+        let cases = [
+            ("slices", "slices are blended"),
+            ("msaa", "quality.msaa"),
+            ("target", "float32"),
+            ("bent", "bent rays"),
+            ("custom", "gl_FragCoord"),
         ];
-        for (name, change, why) in cases {
+        for (name, why) in cases {
             let library = if name == "custom" { &custom } else { &shipped };
             let mut scene = preset(if name == "bent" { "blue_glass" } else { "lit" }).expect("a shipped preset");
             scene.object.input = "sphere".into();
             (scene.quality.samples, scene.image.size, scene.quality.stage) = (64, [24, 24], ShaderStage::Compute);
-            change(&mut scene);
+            match name {
+                "slices" => scene.quality.pass = Pass::Slices,
+                "msaa" => scene.quality.msaa = 4,
+                "target" => scene.quality.target = TargetFormat::Float16,
+                "bent" => scene.effect.ray_path = RayPath::Refracted,
+                _ => scene.effect.surface = "columns".into(),
+            }
             let (variant, subject) = (Variant::of(&scene, library).expect("a valid scene"), subject(&scene, library));
             let frame = picture(gpu, library, &scene, &subject);
             let lines = describe_frame(&frame.measurements, &variant, &subject, library);

@@ -252,6 +252,16 @@ pub(crate) fn pipeline(
     gpu::Pipeline::new(gpu, &description)
 }
 
+/// Binds the inputs of rays, and the target of a compute shader.
+pub(super) fn bind_rays(
+    (program, pipeline): (&Program, &gpu::Pipeline),
+    mut resources: Vec<(u32, gpu::Resource)>,
+    target: &Arc<Image>,
+) -> Result<gpu::BindSet, gpu::GpuError> {
+    resources.extend(program.is_compute.then(|| (PICTURE_BINDING, gpu::Resource::Storage(target.clone()))));
+    pipeline.bind(&resources)
+}
+
 fn binding(resource: &Resource) -> gpu::Binding {
     let kind = match resource.holds {
         Use::Block(_) => gpu::BindingKind::Uniform,

@@ -16,7 +16,7 @@ use crate::render::error::RenderError;
 use crate::render::inputs::Inputs;
 use crate::render::measurements::{Frame, Measurements};
 use crate::render::subject::Subject;
-use crate::render::variant::{PICTURE_BINDING, Program, Variant, bindings};
+use crate::render::variant::{Program, Variant, bindings};
 use crate::scene::schema::Changes;
 use crate::scene::{Pass, Scene};
 use crate::shader::slots::FOLDED;
@@ -345,7 +345,7 @@ impl Prepared {
                     pass::draw(gpu, pipeline, [&set; 2], vertices, stack, places, target, &between, &mut control)?
                 }
                 (None, _) => {
-                    let set = bind_rays((&self.program, pipeline), &self.bound, color)?;
+                    let set = bind::bind_rays((&self.program, pipeline), self.bound.resources(), color)?;
                     pass::march(gpu, pipeline, &set, (areas, frame.planes.count), target, &mut control)?
                 }
             });
@@ -394,15 +394,4 @@ impl Prepared {
         };
         Ok(Some(Frame { size: scene.image.size, pixels, measurements }))
     }
-}
-
-/// Binds the inputs of rays, and the target of a compute shader.
-pub(super) fn bind_rays(
-    (program, pipeline): (&Program, &gpu::Pipeline),
-    bound: &BoundInputs,
-    target: &Arc<gpu::Image>,
-) -> Result<gpu::BindSet, gpu::GpuError> {
-    let mut resources = bound.resources();
-    resources.extend(program.is_compute.then(|| (PICTURE_BINDING, gpu::Resource::Storage(target.clone()))));
-    pipeline.bind(&resources)
 }

@@ -5,7 +5,7 @@ use super::depth::by_rays;
 use super::destination::Destination;
 use super::pixels::paste_areas;
 use super::prepared::{Prelude, Prepared, Reusable};
-use super::trial::{self, Way};
+use super::trial::Ways;
 use crate::field::Progress;
 use crate::gpu::{Area, Format, Gpu, HostCommands, Recording};
 use crate::render::camera::FrameContext;
@@ -14,9 +14,8 @@ use crate::render::error::RenderError;
 use crate::render::measurements::Frame;
 use crate::render::subject::Subject;
 use crate::render::variant::{Checkable, Variant};
-use crate::scene::{Order, Pass, Scene, ShaderStage};
+use crate::scene::{Order, Scene, ShaderStage};
 use crate::shader::{Library, Slots};
-use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
@@ -46,8 +45,8 @@ pub struct Renderer {
     stop: Stop,
     /// Modules and samples of scenes whose two-phase rays the device has cut short.
     cut_short: Vec<(Slots, u32)>,
-    /// Ways to draw that trials have chosen, by the modules of the scene.
-    ways: BTreeMap<Slots, Way>,
+    /// Ways to draw that trials have chosen.
+    ways: Ways,
     /// Preparation of a host's next scene.
     preparing: Option<BackgroundPrepare>,
     /// Time of preparing the next picture, milliseconds.
@@ -70,7 +69,7 @@ impl Renderer {
             whole: None,
             stop: Arc::new(|_| false),
             cut_short: Vec::new(),
-            ways: BTreeMap::new(),
+            ways: Ways::default(),
             preparing: None,
             prepared_ms: 0.0,
         }
@@ -100,7 +99,7 @@ impl Renderer {
     pub fn prepare(&mut self, scene: &impl Checkable, progress: Progress<'_>) -> Result<(), RenderError> {
         let start = Instant::now();
         let own = scene.checked(&self.library)?.into_owned();
-        self.recall(&own);
+        self.ways.recall(&self.gpu, &own, &self.library);
         let variant = self.variant(&own)?;
         self.prepared(&variant, Destination::Frame, progress)?;
         self.prepared_ms += start.elapsed().as_secs_f64() * 1e3;
@@ -175,7 +174,7 @@ impl Renderer {
     ) -> Result<Frame, RenderError> {
         let (start, before) = (Instant::now(), own_processor_time());
         let own = scene.checked(&self.library)?.into_owned();
-        let mut is_open = self.recall(&own);
+        let mut is_open = self.ways.recall(&self.gpu, &own, &self.library) && !self.is_cut(&own);
         let mut variant = self.variant(&own)?;
         let count = variant.scene.quality.supersampling;
         assert!(number.is_none_or(|number| number < count), "{number:?} of {count}");
@@ -196,7 +195,7 @@ impl Renderer {
             }
             (variant, is_open) = (variant.without_two_phase(), false);
         };
-        self.ways.extend(found.map(|way| (own.slots.clone(), way)));
+        found.into_iter().for_each(|way| self.ways.set(&own, way));
         frame.measurements.modules = own.key(); // whatever the way to draw them
         frame.measurements.total_ms = std::mem::take(&mut self.prepared_ms) + start.elapsed().as_secs_f64() * 1e3;
         let taken = own_processor_time().zip(before).map(|(after, before)| after.saturating_sub(before));
@@ -335,7 +334,7 @@ impl Renderer {
             ShaderStage::Fragment => None,
             ShaderStage::Compute => plain.in_compute(&self.library),
             ShaderStage::Auto if self.is_cut(&own) => None,
-            ShaderStage::Auto => self.ways.get(&own.slots).and_then(|way| way.applied(&own, &self.library)),
+            ShaderStage::Auto => self.ways.applied(&own, &self.library),
         };
         Ok(way.unwrap_or(plain))
     }
@@ -349,17 +348,6 @@ impl Renderer {
     fn is_cut(&self, own: &Variant) -> bool {
         let samples = own.scene.quality.samples;
         self.cut_short.iter().any(|(slots, cut)| *slots == own.slots && *cut <= samples)
-    }
-
-    /// Looks the way to draw a scene up on disk. Returns whether it is still to be chosen.
-    fn recall(&mut self, own: &Variant) -> bool {
-        let quality = &own.scene.quality;
-        let is_open = quality.stage == ShaderStage::Auto && quality.pass == Pass::March && trial::pays(own);
-        if is_open && !self.ways.contains_key(&own.slots) {
-            let remembered = Way::remembered(&self.gpu, own, &self.library);
-            self.ways.extend(remembered.map(|way| (own.slots.clone(), way)));
-        }
-        is_open && !self.ways.contains_key(&own.slots) && !self.is_cut(own)
     }
 
     /// Finds or prepares the cache entry of a scene.

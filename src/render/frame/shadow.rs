@@ -117,7 +117,9 @@ impl ShadowCaster {
         variant: &Variant,
         made: Option<ShadowCaster>,
     ) -> Result<ShadowCaster, RenderError> {
-        let program = variant.for_purpose(Purpose::Shadow, library)?.program(library, Linker::new)?;
+        let own = variant.for_purpose(Purpose::Shadow, library)?;
+        let compute = if variant.is_compute() { own.in_compute(library) } else { None };
+        let program = compute.unwrap_or(own).program(library, Linker::new)?;
         if let Some(made) = made.filter(|made| made.program == program) {
             return Ok(made);
         }
@@ -175,10 +177,10 @@ impl ShadowCaster {
     ) -> Result<(Vec<T>, f64), RenderError> {
         let space = frame.space;
         let [width, height] = space.target();
-        let blocks = bind::buffers(gpu, &bound.blocks_of(&self.program)?)?;
-        let set = self.pipeline.bind(&bound.with(&blocks))?;
         let plane = Dimension::Plane(width, height);
-        let color = Image::new(gpu, "shadow segments", plane, SEGMENTS, ImageUse::Target(1))?;
+        let color = Arc::new(Image::new(gpu, "shadow segments", plane, SEGMENTS, ImageUse::Target(1))?);
+        let blocks = bind::buffers(gpu, &bound.blocks_of(&self.program)?)?;
+        let set = bind::bind_rays((&self.program, &self.pipeline), bound.with(&blocks), &color)?;
         let target = gpu::Target::of(&color);
         let all = [gpu::Area::whole([width, height])];
         let mut control = SubmissionControl { budget: &mut self.budget, stop };

@@ -3,14 +3,17 @@
 //! Role: draws a part of the first large picture of a program in each [`Way`] that the device may prefer, and remembers
 //! the fastest, also on disk. Invariant: every way gives the same bits.
 
+use super::bind::bind_rays;
 use super::pass::{self, PassTiming};
-use super::prepared::{Prepared, bind_rays};
+use super::prepared::Prepared;
 use super::submission_budget::{SubmissionBudget, SubmissionControl};
 use crate::gpu::{Area, Gpu, Pipeline, Target};
 use crate::render::camera::FrameContext;
 use crate::render::error::RenderError;
 use crate::render::variant::{Program, Variant};
-use crate::shader::{Library, Linker};
+use crate::scene::{Pass, ShaderStage};
+use crate::shader::{Library, Linker, Slots};
+use std::collections::BTreeMap;
 use support::disk_cache::{self, Kind};
 
 /// Samples of a picture from which on a trial pays. Higher: pictures of 300 x 300 are never tried. Lower: compiling the
@@ -29,14 +32,14 @@ const KIND: Kind = Kind { ends: &["way"], limit: 1 << 20 };
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Way {
     /// By compute shaders in place of fragment shaders.
-    pub is_compute: bool,
+    is_compute: bool,
     /// In one phase in place of two.
-    pub is_direct: bool,
+    is_direct: bool,
 }
 
 impl Way {
     /// All ways.
-    pub const ALL: [Way; 4] = [
+    const ALL: [Way; 4] = [
         Way { is_compute: false, is_direct: false },
         Way { is_compute: false, is_direct: true },
         Way { is_compute: true, is_direct: false },
@@ -44,19 +47,19 @@ impl Way {
     ];
 
     /// The way of a variant.
-    pub fn of(variant: &Variant) -> Way {
+    fn of(variant: &Variant) -> Way {
         Way { is_compute: variant.is_compute(), is_direct: !variant.uses_two_phase() }
     }
 
     /// The variant of a scene that draws in this way, if it can.
-    pub fn applied(self, scene: &Variant, library: &Library) -> Option<Variant> {
+    fn applied(self, scene: &Variant, library: &Library) -> Option<Variant> {
         let direct = if self.is_direct { scene.without_two_phase() } else { scene.clone() };
         let own = if self.is_compute { direct.in_compute(library)? } else { direct };
         (Way::of(&own) == self).then_some(own)
     }
 
     /// The way that an earlier trial chose for a program on this device.
-    pub fn remembered(gpu: &Gpu, scene: &Variant, library: &Library) -> Option<Way> {
+    fn remembered(gpu: &Gpu, scene: &Variant, library: &Library) -> Option<Way> {
         let code = disk_cache::load(KIND, key(gpu, scene, library))?;
         Way::ALL.get(usize::from(*code.first()?)).copied()
     }
@@ -72,10 +75,32 @@ fn key(gpu: &Gpu, scene: &Variant, library: &Library) -> blake3::Hash {
     blake3::Hasher::new().update(text.as_bytes()).update(gpu.info().title().as_bytes()).finalize()
 }
 
-/// Whether a picture is large enough for a trial.
-pub(crate) fn pays(scene: &Variant) -> bool {
-    let ([width, height], quality) = (scene.scene.image.size, &scene.scene.quality);
-    [width, height, quality.samples, quality.supersampling].map(u64::from).iter().product::<u64>() >= LARGE
+/// Ways that trials have chosen, by the modules of a scene.
+#[derive(Default)]
+pub(crate) struct Ways(BTreeMap<Slots, Way>);
+
+impl Ways {
+    /// Looks the way to draw a scene up on disk. Returns whether a trial is to choose it and pays.
+    pub fn recall(&mut self, gpu: &Gpu, scene: &Variant, library: &Library) -> bool {
+        let ([width, height], quality) = (scene.scene.image.size, &scene.scene.quality);
+        let work: u64 = [width, height, quality.samples, quality.supersampling].map(u64::from).iter().product();
+        let is_open = quality.stage == ShaderStage::Auto && quality.pass == Pass::March && work >= LARGE;
+        if is_open && !self.0.contains_key(&scene.slots) {
+            let way = Way::remembered(gpu, scene, library);
+            way.into_iter().for_each(|way| self.set(scene, way));
+        }
+        is_open && !self.0.contains_key(&scene.slots)
+    }
+
+    /// Keeps the way of a scene.
+    pub fn set(&mut self, scene: &Variant, way: Way) {
+        self.0.insert(scene.slots.clone(), way);
+    }
+
+    /// The variant that draws a scene in its way, if that is chosen.
+    pub fn applied(&self, scene: &Variant, library: &Library) -> Option<Variant> {
+        self.0.get(&scene.slots)?.applied(scene, library)
+    }
 }
 
 impl Prepared {
@@ -126,7 +151,7 @@ impl Prepared {
         stop: &dyn Fn(f64) -> bool,
     ) -> Result<f64, RenderError> {
         let Some((color, _)) = &self.targets else { return Ok(f64::INFINITY) };
-        let set = bind_rays((program, pipeline), &self.bound, color)?;
+        let set = bind_rays((program, pipeline), self.bound.resources(), color)?;
         let [width, height, _] = color.size();
         let rows = (0..height.div_ceil(8)).step_by(PART as usize).map(|row| 8 * row..(8 * row + 8).min(height));
         let areas: Vec<Area> = rows.map(|rows| Area { columns: 0..width, rows }).collect();

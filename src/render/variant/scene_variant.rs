@@ -13,9 +13,8 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::iter;
 
-/// Entry file of straight rays, and the compute shader of the same rays.
-const RAY_ENTRY: &str = "march.frag";
-const COMPUTE_ENTRY: &str = "march.comp";
+/// Entry files of fragment shaders, and of compute shaders that give the same bits.
+const COMPUTE_ENTRIES: [(&str, &str); 2] = [("march.frag", "march.comp"), ("shadow.frag", "shadow.comp")];
 /// Parts of GLSL that fragment shaders alone have.
 const FRAGMENT_ONLY: [&str; 4] = ["gl_Frag", "dFd", "fwidth", "texture("];
 /// Replacements, in programs of shadows and depth, of modules that color and light matter.
@@ -146,7 +145,7 @@ impl Variant {
         self.slots.iter().any(|(key, names)| slot_of(key) == "warp" && !names.is_empty())
     }
 
-    /// The variant whose rays are traced by a compute shader. `None` for slices, bent rays, several samples per pixel, a
+    /// The variant whose rays, of the eye or of the light, are traced by a compute shader. `None` for slices, bent rays, several samples per pixel, a
     /// target other than of 32-bit floats, custom modules with GLSL that fragment shaders alone have, and without the
     /// feature `glsl`.
     pub(crate) fn in_compute(&self, library: &Library) -> Option<Variant> {
@@ -156,16 +155,14 @@ impl Variant {
             self.reaches(library, path) && FRAGMENT_ONLY.iter().any(|part| text.contains(part))
         };
         // Compute shaders are linked where they are used.
-        let runs = cfg!(feature = "glsl")
-            && entry == RAY_ENTRY
-            && has_storage
-            && !crate::shader::changed(library).iter().any(is_fragment);
-        runs.then(|| Variant { entries: [vertex, COMPUTE_ENTRY], ..self.clone() })
+        let runs = cfg!(feature = "glsl") && has_storage && !crate::shader::changed(library).iter().any(is_fragment);
+        let (_, compute) = COMPUTE_ENTRIES.iter().find(|(fragment, _)| runs && *fragment == entry)?;
+        Some(Variant { entries: [vertex, compute], ..self.clone() })
     }
 
     /// Whether its rays are traced by a compute shader.
     pub(crate) fn is_compute(&self) -> bool {
-        self.entries[1] == COMPUTE_ENTRY
+        COMPUTE_ENTRIES.iter().any(|(_, compute)| self.entries[1] == *compute)
     }
 
     /// The variant that finds and shades matter in one phase.

@@ -178,7 +178,7 @@ pub fn lookups(replay: &Replay, sheet: &Sheet) -> Option<Conclusion> {
     let ours: Figures = others.iter().filter_map(|way| Some((way.0.into(), best / rate(way.0)?))).collect();
     let paper = list(others.iter().map(|way| format!("{} ({})", short(encoded.2[0] / way.2[0]), way.0)));
     conclude("Turbulence: times as long as one encoded texture", paper, &ours, |[least, _]| {
-        if least >= 1.0 { "it is the fastest" } else { "it is NOT the fastest" }.into()
+        if least >= 1.0 { "encoded is the fastest" } else { "encoded is NOT the fastest" }.into()
     })
 }
 
@@ -278,7 +278,8 @@ mod tests {
         assert_eq!(found("as with 4x", |_| ()), None);
         let against = found("as with 4x", |replay| set(replay, (TURBULENCE_SHEET, 0, 1), rate(1.0)));
         assert_eq!(against, told("5.29 (8 noise lookups)", "more"), "1 against 0.189 frames per second");
-        let lookups = told("9.49 (8 noise lookups), 3.25 (4 noise lookups), 1.01 (4 channel)", "it is the fastest");
+        let lookups =
+            told("9.49 (8 noise lookups), 3.25 (4 noise lookups), 1.01 (4 channel)", "encoded is the fastest");
         assert_eq!(found("Turbulence", |_| ()), lookups);
         let (ours, verdict) = found("Discard", |replay| {
             set(replay, (DISCARD_SHEET, 3, 1), rate(0.855));
