@@ -105,6 +105,9 @@ may_fail! {
         create_graphics_pipelines "vkCreateGraphicsPipelines"
             (d: vk::Device, cache: vk::PipelineCache, count: u32, i: *const vk::GraphicsPipelineCreateInfo<'_>,
              c: Callbacks<'_>, o: *mut vk::Pipeline);
+        create_compute_pipelines "vkCreateComputePipelines"
+            (d: vk::Device, cache: vk::PipelineCache, count: u32, i: *const vk::ComputePipelineCreateInfo<'_>,
+             c: Callbacks<'_>, o: *mut vk::Pipeline);
         create_descriptor_pool "vkCreateDescriptorPool"
             (d: vk::Device, i: *const vk::DescriptorPoolCreateInfo<'_>, c: Callbacks<'_>, o: *mut vk::DescriptorPool);
         allocate_descriptor_sets "vkAllocateDescriptorSets"

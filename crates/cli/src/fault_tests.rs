@@ -144,7 +144,7 @@ fn each_call_of_a_picture_a_sequence_and_a_field_may_fail() {
     for (words, validation) in [
         ("render torus --effect lit --module surface=bump -o @/picture.exr --save-scene @/scene.toml", true),
         ("render sphere --effect fire --set quality.pass=slices --msaa 4 --set light.shadows=true -o @/s.png", true),
-        ("render torus --frames 0..1 -o @/frame_#.png", false),
+        ("render torus --stage compute --frames 0..1 -o @/frame_#.png", false),
     ] {
         failed.extend(fail_each(&format!("{words} {small}"), validation));
     }

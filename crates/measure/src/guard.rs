@@ -2,7 +2,7 @@
 //! compiler, the evaluator or the driver becomes one line of text.
 //!
 //! Role: [`try_modules`] links the programs of a scene, evaluates some places of its picture, and renders a few rays of a
-//! shipped object, all in a child ([`serve`]). Invariant: one budget of processor time and memory ([`limits`]); a scene of
+//! shipped object, all in a child ([`serve`]). Invariant: one budget of processor time and memory; a scene of
 //! shipped modules starts no child.
 
 use hypertexture::gpu::{Gpu, Options};

@@ -1,6 +1,6 @@
 //! The numbers that Miller and Jones 2005 print, in frames per second.
 //!
-//! Columns of Tables 1 and 2 are those of [`super::COLUMNS`]. The paper prints neither the object, nor the number of
+//! Columns of Tables 1 and 2 are the windows of the replay. The paper prints neither the object, nor the number of
 //! slices, nor the format that they are blended in, nor any error.
 
 /// The cards of Tables 1 and 2.
