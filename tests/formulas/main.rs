@@ -75,9 +75,10 @@ fn every_module_has_a_check() {
     ];
     let checked: BTreeSet<&str> = rows.into_iter().flatten().copied().collect();
     let library = harness::shipped();
-    // Programs of their own, and the ray that two of them share, are tested by their pictures; what notes the faults of
-    // custom modules in `custom.rs`.
-    let is_other = |path: &str| path.starts_with("doctor/") || ["march.glsl", "watch.glsl"].contains(&path);
+    // Programs of their own, and the rays that several of them share, are tested by their pictures; what notes the faults
+    // of custom modules in `custom.rs`.
+    let shared = ["march.glsl", "pixel.glsl", "ray.glsl", "shadow.glsl", "watch.glsl"];
+    let is_other = |path: &str| path.starts_with("doctor/") || shared.contains(&path);
     let modules = library.sources().filter(|(path, _)| path.ends_with(".glsl") && !is_other(path));
     let modules: BTreeSet<&str> = modules.map(|(path, _)| path).collect();
     for module in &modules {

@@ -44,7 +44,7 @@ pub struct Compare {
     /// Folder of the report.
     #[arg(long, short, default_value = "compare", value_name = "FOLDER")]
     pub output: PathBuf,
-    /// Try every candidate, with every block and format and up to 512 samples. Without this and --sweep, the front of the
+    /// Try every candidate, block and format, with up to 512 samples. Without this and --sweep, the front of the
     /// scene's own noise doubles its samples up to an error of 0.001, for at most 60 seconds. With --paper, all windows in place
     /// of 300 x 300 without smoothing.
     #[arg(long)]

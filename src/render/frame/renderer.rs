@@ -196,7 +196,10 @@ impl Renderer {
             (variant, is_open) = (variant.without_two_phase(), false);
         };
         found.into_iter().for_each(|way| self.ways.set(&own, way));
-        frame.measurements.modules = own.key(); // whatever the way to draw them
+        // The record of a picture does not depend on a trial, which depends on time.
+        let phases = |is_direct: bool| if is_direct { "empty_space=leap" } else { "empty_space=skip" };
+        let [drawn, recorded] = [frame.measurements.is_direct, !self.plain(&own).uses_two_phase()].map(phases);
+        frame.measurements.modules = frame.measurements.modules.replace(drawn, recorded);
         frame.measurements.total_ms = std::mem::take(&mut self.prepared_ms) + start.elapsed().as_secs_f64() * 1e3;
         let taken = own_processor_time().zip(before).map(|(after, before)| after.saturating_sub(before));
         frame.measurements.processor_ms = taken.map(|taken| taken.as_secs_f64() * 1e3);
