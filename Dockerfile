@@ -13,7 +13,7 @@ COPY . .
 RUN release/build
 
 FROM debian:trixie-slim
-COPY --from=build /source/target/release/package/hypertexture_*.deb /tmp/
+COPY --from=build /source/target/dist/package/hypertexture_*.deb /tmp/
 RUN apt-get update -q \
     && apt-get install -yq --no-install-recommends /tmp/hypertexture_*.deb mesa-vulkan-drivers \
     && rm -rf /var/lib/apt/lists/* /tmp/hypertexture_*.deb \
