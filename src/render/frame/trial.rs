@@ -12,6 +12,7 @@ use crate::render::camera::FrameContext;
 use crate::render::error::RenderError;
 use crate::render::variant::{Program, Variant};
 use crate::scene::{Pass, ShaderStage};
+use crate::shader::slots::FOLDED;
 use crate::shader::{Library, Linker, Slots};
 use std::collections::BTreeMap;
 use support::disk_cache::{self, Kind};
@@ -71,8 +72,15 @@ impl Way {
 }
 
 fn key(gpu: &Gpu, scene: &Variant, library: &Library) -> blake3::Hash {
-    let text = scene.text_hash(library);
+    let text = unfolded(scene).text_hash(library);
     blake3::Hasher::new().update(text.as_bytes()).update(gpu.info().title().as_bytes()).finalize()
+}
+
+/// A scene's variant without terms that are folded: a slider that is pulled to 0 keeps the way, and so the program.
+fn unfolded(scene: &Variant) -> Variant {
+    let mut whole = scene.clone();
+    whole.slots.remove(FOLDED);
+    whole
 }
 
 /// Ways that trials have chosen, by the modules of a scene.
@@ -85,21 +93,26 @@ impl Ways {
         let ([width, height], quality) = (scene.scene.image.size, &scene.scene.quality);
         let work: u64 = [width, height, quality.samples, quality.supersampling].map(u64::from).iter().product();
         let is_open = quality.stage == ShaderStage::Auto && quality.pass == Pass::March && work >= LARGE;
-        if is_open && !self.0.contains_key(&scene.slots) {
-            let way = Way::remembered(gpu, scene, library);
-            way.into_iter().for_each(|way| self.set(scene, way));
+        if !is_open || self.get(scene).is_some() {
+            return false;
         }
-        is_open && !self.0.contains_key(&scene.slots)
+        let way = Way::remembered(gpu, scene, library);
+        way.into_iter().for_each(|way| self.set(scene, way));
+        way.is_none()
     }
 
     /// Keeps the way of a scene.
     pub fn set(&mut self, scene: &Variant, way: Way) {
-        self.0.insert(scene.slots.clone(), way);
+        self.0.insert(unfolded(scene).slots, way);
     }
 
     /// The variant that draws a scene in its way, if that is chosen.
     pub fn applied(&self, scene: &Variant, library: &Library) -> Option<Variant> {
-        self.0.get(&scene.slots)?.applied(scene, library)
+        self.get(scene)?.applied(scene, library)
+    }
+
+    fn get(&self, scene: &Variant) -> Option<Way> {
+        self.0.get(&unfolded(scene).slots).copied()
     }
 }
 
@@ -164,5 +177,28 @@ impl Prepared {
         run(0)?;
         let runs: Vec<PassTiming> = (0..RUNS).map(run).collect::<Result<_, _>>()?;
         Ok(runs.iter().map(|run| run.gpu_ms).fold(f64::INFINITY, f64::min))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{ParameterValue, preset};
+    use crate::shader;
+
+    #[test]
+    fn a_value_that_is_pulled_to_zero_keeps_the_way() {
+        let library = shader::shipped();
+        let variant = |melt_time| {
+            let mut scene = preset("melting").unwrap();
+            scene.parameters.insert("melt_time".into(), ParameterValue::Number(melt_time));
+            Variant::of(&scene, &library).unwrap()
+        };
+        let (own, zero) = (variant(1.0), variant(0.0));
+        assert_ne!(own.slots, zero.slots, "a term is folded");
+        let (mut ways, way) = (Ways::default(), Way { is_compute: false, is_direct: true });
+        ways.set(&own, way);
+        assert_eq!(Way::of(&ways.applied(&zero, &library).unwrap()), way);
+        assert!(ways.applied(&variant(0.5), &library).is_some());
     }
 }
