@@ -7,6 +7,7 @@
 mod check;
 mod error;
 mod format;
+mod identity;
 mod map;
 mod provenance;
 mod read;
@@ -16,6 +17,7 @@ mod write;
 
 pub use check::{check, check_all, check_folder};
 pub use error::OutputError;
+pub use identity::{identity, identity_of_texts};
 pub use map::write_map;
 pub use provenance::{PROGRAM, Provenance, ProvenanceError};
 pub use read::{Encoding, Stored, read, read_provenance, size};

@@ -4,7 +4,7 @@ use super::{absolute, say, with_progress};
 use hypertexture::field::{DistanceField, Progress};
 use hypertexture::gpu::Gpu;
 use hypertexture::output::shard::{self, Shard};
-use hypertexture::output::{Depth, Provenance, encode_png, write};
+use hypertexture::output::{Depth, Provenance, encode_png, identity, write};
 use hypertexture::render::variant::Variant;
 use hypertexture::render::{FINITE, Frame, ModuleFault, Renderer, Subject, half_height, octaves_held, warnings};
 use hypertexture::scene::schema::{Kind, setting};
@@ -134,7 +134,7 @@ pub(super) fn render_shard(picture: &Picture<'_>, shard: Shard) -> Result<Frame,
         renderer.render_bands(variant, &bands)
     })?;
     let whole = shard::Whole {
-        identity: shard::identity(variant, library, subject)?,
+        identity: identity(variant, library, subject)?,
         size: scene.image.size,
         background: scene.image.background,
         depth: picture.depth(),

@@ -4,8 +4,8 @@ use super::picture::Picture;
 use super::{absolute, with_progress};
 use clap::Args;
 use hypertexture::output::sequence::{Frames, Manifest, Sequence, frame_path, manifest_path};
-use hypertexture::output::shard::{self, Shard, ShardError};
-use hypertexture::output::{Provenance, write};
+use hypertexture::output::shard::{Shard, ShardError};
+use hypertexture::output::{Provenance, identity, write};
 use hypertexture::render::{Renderer, same_pictures};
 use serde_json::{Value, json};
 use std::error::Error;
@@ -106,7 +106,7 @@ pub fn render_frames(
     let Picture { gpu, library, variant, subject, output, depth, quiet, tell, .. } = *picture;
     let scene = &variant.scene;
     let frames = frames_of(output, sequence, shard)?;
-    let identity = sequence.identity(shard::identity(variant, library, subject)?, depth);
+    let identity = sequence.identity(identity(variant, library, subject)?, depth);
     let Frames { first, last } = sequence.frames;
     let some = (first..=last).step_by(((last - first) / MOST_TRIED + 1) as usize).chain([last]);
     let is_still =

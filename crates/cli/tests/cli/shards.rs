@@ -2,8 +2,8 @@
 #![expect(clippy::unwrap_used, reason = "a test fails where a file or a process is not as described")]
 
 use crate::common::{picture, subject, with_gpu};
-use hypertexture::output::shard::{Shard, Whole, encode, identity, identity_of_texts, merge};
-use hypertexture::output::{Depth, Provenance};
+use hypertexture::output::shard::{Shard, Whole, encode, merge};
+use hypertexture::output::{Depth, Provenance, identity, identity_of_texts};
 use hypertexture::render::{Frame, Measurements, Renderer};
 use hypertexture::scene::{Color, Pass, Scene, TargetFormat, preset};
 use hypertexture::shader;

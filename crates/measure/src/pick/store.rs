@@ -2,7 +2,7 @@
 
 use super::bound::{ErrorBound, Pick, PickError, Verified};
 use crate::compare::Session;
-use hypertexture::output::shard;
+use hypertexture::output::identity_of_texts;
 use hypertexture::scene::{self, Scene};
 use serde::{Deserialize, Serialize};
 use support::disk_cache::{self, Kind};
@@ -18,7 +18,7 @@ pub(super) fn key(session: Session<'_>, scene: &Scene, bound: ErrorBound) -> Res
     let mut hash = blake3::Hasher::new();
     hash.update(&VERSION.to_le_bytes()).update(&bound.error.to_le_bytes());
     hash.update(format!("{}\n{}\n{}\n", bound.metric, info.name, info.driver).as_bytes());
-    hash.update(shard::identity_of_texts(scene, session.library, session.subject)?.as_bytes());
+    hash.update(identity_of_texts(scene, session.library, session.subject)?.as_bytes());
     Ok(hash.finalize())
 }
 

@@ -1,7 +1,7 @@
 //! Disk cache of references, which take seconds to compute.
 
 use super::Reference;
-use hypertexture::output::shard;
+use hypertexture::output::identity_of_texts;
 use hypertexture::render::variant::Variant;
 use hypertexture::render::{RenderError, Subject};
 use hypertexture::shader::Library;
@@ -21,7 +21,7 @@ pub(super) fn key(
 ) -> Result<blake3::Hash, RenderError> {
     let mut hash = blake3::Hasher::new();
     hash.update(&VERSION.to_le_bytes()).update(&tolerance.to_le_bytes());
-    hash.update(shard::identity_of_texts(truth, library, subject)?.as_bytes());
+    hash.update(identity_of_texts(truth, library, subject)?.as_bytes());
     Ok(hash.finalize())
 }
 
