@@ -9,6 +9,7 @@ mod half_angle;
 mod pass;
 mod pixels;
 mod prepared;
+mod record;
 mod renderer;
 mod shadow;
 mod submission_budget;

@@ -1,0 +1,120 @@
+//! Pictures recorded into the commands of a host.
+
+use super::background::BackgroundPrepare;
+use super::destination::Destination;
+use super::prepared::Prepared;
+use super::renderer::Renderer;
+use crate::gpu::{Format, HostCommands, Recording};
+use crate::render::camera::FrameContext;
+use crate::render::error::RenderError;
+use crate::render::variant::Variant;
+use crate::scene::{Order, Scene};
+
+impl Renderer {
+    /// Whether [`Renderer::record`] draws a scene at once in a format. Otherwise starts the preparation on a thread
+    /// that submits nothing: a host asks before each frame, and draws something else until then. One scene is prepared
+    /// at a time. Dropping the renderer waits for the thread.
+    ///
+    /// # Errors
+    /// As [`Renderer::record`].
+    pub fn is_recordable(&mut self, scene: &Scene, format: Format) -> Result<bool, RenderError> {
+        self.prepare_recording(scene, Destination::Host { format, has_depth: false })
+    }
+
+    /// Whether [`Renderer::record`] draws a scene and its depth ([`HostCommands::with_depth`]) at once in a format.
+    ///
+    /// # Errors
+    /// As [`Renderer::record`].
+    pub fn is_recordable_with_depth(&mut self, scene: &Scene, format: Format) -> Result<bool, RenderError> {
+        self.prepare_recording(scene, Destination::Host { format, has_depth: true })
+    }
+
+    /// Whether a scene can be recorded at once; starts the preparation otherwise.
+    fn prepare_recording(&mut self, scene: &Scene, destination: Destination) -> Result<bool, RenderError> {
+        let variant = self.recorded(scene, scene.image.size)?;
+        let is_finished = self.preparing.as_ref().is_some_and(BackgroundPrepare::is_finished);
+        if let Some(preparing) = self.preparing.take_if(|_| is_finished) {
+            self.take(preparing, &variant, destination)?;
+        }
+        if self.prepared.iter().any(|own| own.fits(&variant, destination)) {
+            return Ok(true);
+        }
+        if self.preparing.is_none() {
+            let made = self.prepared.iter().rev().find(|own| own.serves(&variant)).map(Prepared::share);
+            let frame = FrameContext::of(variant, &self.subject);
+            let (gpu, library) = (self.gpu.clone(), self.library.clone());
+            self.preparing = Some(BackgroundPrepare::new(gpu, library, frame, destination, made.unwrap_or_default()));
+        }
+        Ok(false)
+    }
+
+    /// Records a picture of a scene over the content of a host's image: slices back to front, or rays. Size and format
+    /// of the image replace `image.size` and `quality.target`. Commands [with depth](HostCommands::with_depth) also
+    /// draw the depth of [`Renderer::render_depth`].
+    ///
+    /// The picture is that of [`Renderer::render`]. The call submits nothing and waits for nothing on the device, with one
+    /// exception: the shadow volume of a scene with `light.shadows` is cast by submissions that are waited for, when
+    /// its time, light or matter has changed. The host's commands copy images. Empty cells are proven on a thread;
+    /// until then, pictures are drawn without.
+    ///
+    /// Scenes that differ only in camera, time, size and parameters share everything. Missing programs, images and
+    /// pipelines are prepared by the calling thread: ask [`Renderer::is_recordable`] first.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`]; or the scene has `quality.msaa` or `quality.supersampling` above 1, or half-angle slices; with
+    /// depth, as [`Renderer::render_depth`].
+    pub fn record(&mut self, commands: &mut HostCommands<'_>, scene: &Scene) -> Result<Recording, RenderError> {
+        let destination = Destination::Host { format: commands.format(), has_depth: commands.has_depth() };
+        let variant = self.recorded(scene, commands.size())?;
+        if let Some(preparing) = self.preparing.take_if(|preparing| preparing.serves(&variant, destination)) {
+            self.take(preparing, &variant, destination)?;
+        }
+        let subject = self.subject.clone();
+        let prepared = self.prepared(&variant, destination, &|_| ())?;
+        prepared.record(commands, &variant, &subject)
+    }
+
+    /// Whether the next recorded picture has cells, and the empty share of the latest.
+    #[cfg(test)]
+    pub(crate) fn recorded_cells(&self) -> (bool, f32) {
+        self.prepared.last().map_or((false, 0.0), |own| own.bound.recorded_cells())
+    }
+
+    /// The scene for a recorded image of a size.
+    fn recorded(&self, scene: &Scene, size: [u32; 2]) -> Result<Variant, RenderError> {
+        let mut scene = scene.clone();
+        scene.image.size = size;
+        scene.quality.order = Order::BackToFront;
+        if scene.quality.msaa > 1 {
+            return Err(RenderError::Recorded("quality.msaa = 1"));
+        }
+        if scene.is_half_angle() {
+            return Err(RenderError::Recorded("light.method = \"volume\""));
+        }
+        let mut variant = self.plain(&Variant::of(&scene, &self.library)?);
+        if !scene.may_find_first(&self.library) {
+            variant = variant.without_two_phase(); // two-phase artifacts would not be noticed here
+        }
+        Ok(variant)
+    }
+
+    /// Caches the result of a preparation, waiting for it. An error matters only for the `wanted` scene.
+    fn take(
+        &mut self,
+        preparing: BackgroundPrepare,
+        wanted: &Variant,
+        destination: Destination,
+    ) -> Result<(), RenderError> {
+        let serves = preparing.serves(wanted, destination);
+        match preparing.join() {
+            Ok(made) => {
+                self.prepared.push(made);
+                let more = self.prepared.len().saturating_sub(self.cache_size);
+                self.prepared.drain(..more);
+            }
+            Err(error) if serves => return Err(error),
+            Err(_) => {}
+        }
+        Ok(())
+    }
+}
