@@ -286,7 +286,7 @@ fn shows(outputs: &Outputs, singles: &Outputs, lane: usize) -> bool {
 }
 
 /// Low-discrepancy sequence in the unit cube (Roberts 2018).
-fn scattered(index: u32) -> [f64; 3] {
+pub(super) fn scattered(index: u32) -> [f64; 3] {
     const ROOT: f64 = 1.220_744_084_605_759_5; // of x^4 = x + 1
     [1, 2, 3].map(|axis| (0.5 + f64::from(index) * ROOT.powi(-axis)).fract())
 }

@@ -6,6 +6,7 @@ use super::error::PolygonizeError;
 use crate::eval::{self, Affine, ExactError, F32Interval, Interval};
 use crate::render::camera::View;
 use crate::render::cells::{LOOKED_UP, bounded};
+use crate::render::custom_modules::scattered;
 use crate::render::error::RenderError;
 use crate::render::inputs::CpuInputs;
 use crate::render::subject::Subject;
@@ -130,10 +131,7 @@ pub fn densities(
     let program = DensityProgram::of(library, &*scene.checked(library)?, subject)?;
     let density = program.bound(0.0)?;
     let (low, high) = (program.view.box_min.as_dvec3(), program.view.box_max.as_dvec3());
-    const PLASTIC: f64 = 1.220_744_084_605_759_5; // root of x^4 = x + 1
-    let steps = DVec3::from([1, 2, 3].map(|power| PLASTIC.powi(-power)));
-    let all: Vec<DVec3> =
-        (0..places).map(|index| low + (high - low) * (0.5 + steps * f64::from(index)).fract()).collect();
+    let all: Vec<DVec3> = (0..places).map(|index| low + (high - low) * DVec3::from(scattered(index))).collect();
     let found: Vec<Vec<f64>> = all.par_chunks(TOGETHER).map(|places| density.at(places)).collect::<Result<_, _>>()?;
     let mut counts = vec![0; bins];
     for density in found.into_iter().flatten().filter(|density| *density > 0.0) {
