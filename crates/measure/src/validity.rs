@@ -35,7 +35,7 @@ enum Other {
     /// An improved setting.
     Scene(fn(&Scene) -> Option<Scene>),
     /// Modules that iterate longer, or with perturbed arguments.
-    Modules(fn(&Scene, &Library) -> Option<Library>),
+    Modules(fn(&Variant, &Library) -> Option<Library>),
 }
 
 /// Largest number of samples of the comparison; rays may have slightly more.
@@ -117,8 +117,7 @@ pub const CAUSES: [Cause; 9] = [
         why: "noise is so far from its origin that f32 cannot resolve positions: a lower frequency, or coordinates nearer to 0",
         color: [240, 228, 66],
         persists: false,
-        other: Other::Modules(|scene, library| {
-            let variant = Variant::of(scene, library).ok()?;
+        other: Other::Modules(|variant, library| {
             let is_read = ["noise", "turbulence"].iter().any(|slot| variant.reads(slot));
             let is_noise = |path: &str| path.starts_with("noise/") || path.starts_with("turbulence/");
             is_read.then(|| library.moved(is_noise, ROUNDED_PLACE))
@@ -136,7 +135,7 @@ pub const CAUSES: [Cause; 9] = [
         why: "light is totally reflected in glass for longer than it is followed: a lower index, or more absorption",
         color: [255, 182, 219],
         persists: false,
-        other: Other::Modules(|scene, library| {
+        other: Other::Modules(|Variant { scene, .. }, library| {
             // The loops of twice the samples: a device may cut longer ones.
             let loops = changed(scene, true, |scene| scene.quality.samples *= 2)?;
             let applies = scene.effect.ray_path == RayPath::Refracted && loops.check(library).is_ok();
@@ -215,11 +214,11 @@ pub fn examine(
     let mut validity = Validity { found: Vec::new(), of: vec![None; pixels.len()], covered: 0 };
     let (mut scene, mut pixels) = (scene.clone(), pixels.to_vec());
     let variant = Variant::of(&scene, library).ok();
-    let with_own = |own| variant.as_ref().map(|variant| variant.with_own(library, own));
     for cause in &CAUSES {
         let other = match cause.other {
             Other::Scene(better) => better(&scene).map(|better| (better, library.clone())),
-            Other::Modules(own) => own(&scene, library).and_then(with_own).map(|own| (scene.clone(), own)),
+            Other::Modules(own) => (variant.as_ref())
+                .and_then(|variant| Some((scene.clone(), variant.with_own(library, own(variant, library)?)))),
         };
         let Some((better, modules)) = other else { continue };
         if better.object != scene.object && !has_field {

@@ -2,8 +2,9 @@
 
 use crate::compare::report::Environment;
 use hypertexture::gpu::{Gpu, GpuError};
+use hypertexture::render::variant::Checkable;
 use hypertexture::render::{Frame, RenderError, Renderer, Subject};
-use hypertexture::scene::{Pass, Scene, SceneError};
+use hypertexture::scene::{Pass, SceneError};
 use hypertexture::shader::{Library, LinkError, Linker};
 use serde::Serialize;
 
@@ -46,7 +47,7 @@ impl<'a> Lab<'a> {
         Ok(Lab { gpu, library, linker: Linker::new()? })
     }
 
-    pub(crate) fn subject(&self, scene: &Scene) -> Result<Subject, RenderError> {
+    pub(crate) fn subject(&self, scene: &impl Checkable) -> Result<Subject, RenderError> {
         Subject::load(scene, &self.library, &|_| ())
     }
 
@@ -54,7 +55,7 @@ impl<'a> Lab<'a> {
         Renderer::new(self.gpu, &self.library, subject)
     }
 
-    pub(crate) fn render(&self, scene: &Scene, subject: &Subject) -> Result<Frame, RenderError> {
+    pub(crate) fn render(&self, scene: &impl Checkable, subject: &Subject) -> Result<Frame, RenderError> {
         self.renderer(subject).render(scene)
     }
 }

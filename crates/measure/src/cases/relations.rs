@@ -155,9 +155,9 @@ pub(super) fn warned(lab: &Lab<'_>, rows: &mut Rows) -> Result<(), CaseError> {
         for (field, value) in changes {
             scene.set_field(field, value)?;
         }
-        let subject = lab.subject(&scene)?;
-        let frame = lab.render(&scene, &subject)?;
         let variant = Variant::of(&scene, &lab.library).map_err(RenderError::from)?;
+        let subject = lab.subject(&variant)?;
+        let frame = lab.render(&variant, &subject)?;
         let lines = warnings(&frame.measurements, &variant, &subject);
         let ok = if line.is_empty() { lines.is_empty() } else { lines.iter().any(|found| found.contains(line)) };
         let setting = changes.iter().map(|(field, value)| format!("{field} = {value}")).collect::<Vec<_>>().join(", ");
