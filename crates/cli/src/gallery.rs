@@ -9,7 +9,7 @@ use hypertexture::field::Progress;
 use hypertexture::gpu::{Gpu, Options};
 use hypertexture::output::{self, Depth, OutputError, Provenance};
 use hypertexture::render::variant::{Variant, VariantError};
-use hypertexture::render::{Frame, RenderError, Subject, render};
+use hypertexture::render::{Frame, RenderError};
 use hypertexture::scene::{Color, EFFECTS, Object, ParameterValue, Scene, SceneError, names, preset, to_text};
 use hypertexture::shader::{self, Library, ParameterKind};
 use measure::worker::{Load, Painter, Start, Worker};
@@ -85,9 +85,8 @@ pub(super) fn run(command: &GalleryArguments, options: &Options, quiet: bool) ->
         false => format!("{}: it is a file; name a folder; nothing was written", existing.display()),
     })?;
     let (began, start) = (Instant::now(), start(options)?);
-    let Gallery { page, failures } = announced(quiet, "gallery", |progress| {
-        write(&gpu, &library, &scenes, Some(&start), &command.output, progress)
-    })?;
+    let Gallery { page, failures } =
+        announced(quiet, "gallery", |progress| write(&gpu, &library, &scenes, &start, &command.output, progress))?;
     if !quiet {
         say(&format!(
             "rendered {} scenes in {:.1} s on {}\nwrote {}\n",
@@ -138,8 +137,7 @@ pub struct Gallery {
     pub failures: Vec<(String, String)>,
 }
 
-/// Renders the scenes into `folder` and writes `index.html` there. With `start`, workers draw, and a scene that crashes the driver
-/// is left out.
+/// Renders the scenes by workers into `folder`, and writes `index.html` there. A scene that crashes the driver is left out.
 ///
 /// # Errors
 /// A scene that cannot be drawn, or a file that cannot be written.
@@ -147,7 +145,7 @@ pub fn write(
     gpu: &Gpu,
     library: &Library,
     scenes: &[(String, Scene)],
-    start: Option<&Start>,
+    start: &Start,
     folder: &Path,
     progress: Progress<'_>,
 ) -> Result<Gallery, GalleryError> {
@@ -161,11 +159,10 @@ pub fn write(
     let mut groups: [(&str, String); 3] = GROUPS.map(|title| (title, String::new()));
     let share = 1.0 / scenes.len().max(1) as f32;
     for (index, (name, variant)) in scenes.iter().enumerate() {
-        let (done, scene) = (index as f32 * share, &variant.scene);
+        let scene = &variant.scene;
         let shared = objects.iter_mut().find(|shared| shared.serves(variant));
         let shared = shared.expect("`objects` holds the object of every scene");
-        let loading = |fraction: f32| progress(done + 0.5 * share * fraction);
-        let frame = match shared.draw(gpu, library, variant, start, &loading) {
+        let frame = match shared.draw(library, scene, start) {
             Ok(frame) => frame,
             Err(RenderError::Ended(reason)) => {
                 let title = name.replace('_', " ");
@@ -200,7 +197,7 @@ pub fn write(
             if m.left_out.is_empty() { "nothing".into() } else { m.left_out.join(", ") },
         )
         .expect("writing to a string");
-        progress(done + share);
+        progress((index + 1) as f32 * share);
     }
     let mut figures = String::new();
     for (title, text) in groups.iter().filter(|(_, text)| !text.is_empty()) {
@@ -227,7 +224,7 @@ fn group(about: &str) -> usize {
     named.min_by_key(|&group| place(&GROUPS[group])).unwrap_or(2)
 }
 
-/// An object that scenes share, and its field once loaded.
+/// An object that scenes share, and its worker once started.
 struct Shared {
     object: Object,
     /// Margin of the field. It decides where voxels lie, so scenes share a field only with equal margins.
@@ -235,7 +232,6 @@ struct Shared {
     closest: bool,
     /// The scene, if it has several objects: it shares none of them.
     alone: Option<Variant>,
-    subject: Option<Subject>,
     worker: Option<Worker>,
 }
 
@@ -251,34 +247,17 @@ impl Shared {
         }
     }
 
-    /// Draws a picture of the object, by a worker or in this process; loads the object for the first one.
-    fn draw(
-        &mut self,
-        gpu: &Gpu,
-        library: &Library,
-        variant: &Variant,
-        start: Option<&Start>,
-        progress: Progress<'_>,
-    ) -> Result<Frame, RenderError> {
-        if let Some(start) = start {
-            let worker = self.worker.take().unwrap_or_else(|| {
-                let object = Box::new(self.object.clone());
-                let load = match &self.alone {
-                    Some(alone) => Load::Scene(to_text(&alone.scene)),
-                    None => Load::Object { object, margin: self.margin, closest: self.closest },
-                };
-                Worker::new(start, library, load)
-            });
-            return Painter::of(self.worker.insert(worker)).render(&variant.scene);
-        }
-        let subject = match self.subject.take() {
-            Some(subject) => subject,
-            None => match &self.alone {
-                Some(alone) => Subject::load(alone, library, progress)?,
-                None => Subject::load_with_margin(&self.object, self.margin, self.closest, progress)?,
-            },
-        };
-        render(gpu, library, variant, self.subject.insert(subject))
+    /// Draws a picture of the object.
+    fn draw(&mut self, library: &Library, scene: &Scene, start: &Start) -> Result<Frame, RenderError> {
+        let worker = self.worker.get_or_insert_with(|| {
+            let object = Box::new(self.object.clone());
+            let load = match &self.alone {
+                Some(alone) => Load::Scene(to_text(&alone.scene)),
+                None => Load::Object { object, margin: self.margin, closest: self.closest },
+            };
+            Worker::new(start, library, load)
+        });
+        Painter::of(worker).render(scene)
     }
 }
 
@@ -299,7 +278,6 @@ fn objects(scenes: &[(String, Variant)]) -> Vec<Shared> {
                 margin: margin(variant),
                 closest,
                 alone: variant.scene.has_several().then(|| variant.clone()),
-                subject: None,
                 worker: None,
             }),
         }
