@@ -30,6 +30,8 @@ mod picture;
 mod program;
 mod progress;
 mod render;
+#[cfg(feature = "viewer")]
+mod render_job;
 mod scene_arguments;
 mod sequence;
 mod session;

@@ -4,7 +4,7 @@ use super::{absolute, say, with_progress};
 use hypertexture::field::{DistanceField, Progress};
 use hypertexture::gpu::Gpu;
 use hypertexture::output::shard::{self, Shard};
-use hypertexture::output::{Depth, Provenance, encode_png, identity, write};
+use hypertexture::output::{Depth, Provenance, ProvenanceError, encode_png, identity, write};
 use hypertexture::render::variant::Variant;
 use hypertexture::render::{FINITE, Frame, ModuleFault, Renderer, Subject, half_height, octaves_held, warnings};
 use hypertexture::scene::schema::{Kind, setting};
@@ -41,6 +41,8 @@ pub(super) struct Picture<'a> {
     /// The checked scene.
     pub(super) variant: &'a Variant,
     pub(super) subject: &'a Subject,
+    /// Files of modules whose text is in no file of the scene.
+    pub(super) edited: &'a [String],
     pub(super) output: &'a Path,
     /// Bits of each channel of a PNG: 8 or 16.
     pub(super) depth: &'a str,
@@ -56,6 +58,15 @@ impl Picture<'_> {
     /// Bits of each channel of a PNG.
     pub(super) fn depth(&self) -> Depth {
         if self.depth == "16" { Depth::Sixteen } else { Depth::Eight }
+    }
+
+    /// The provenance of a frame.
+    pub(super) fn provenance(&self, scene: &Scene, frame: &Frame) -> Result<Provenance, ProvenanceError> {
+        let mut measured = frame.measurements.clone();
+        if !self.edited.is_empty() {
+            measured.modules += &format!("; edited in the window: {}", self.edited.join(", "));
+        }
+        Provenance::of(scene, &self.gpu.info().title(), &measured)
     }
 }
 
@@ -82,7 +93,7 @@ pub(super) fn render_picture(picture: &Picture<'_>, drawn: Option<Frame>) -> Res
         Some(drawn) => drawn,
         None => with_progress(quiet, "picture", render)?,
     };
-    let provenance = Provenance::of(scene, &gpu.info().title(), &frame.measurements)?;
+    let provenance = picture.provenance(scene, &frame)?;
     let (background, depth) = (scene.image.background, picture.depth());
     match output == Path::new(STANDARD_OUTPUT) {
         true => {
@@ -138,7 +149,7 @@ pub(super) fn render_shard(picture: &Picture<'_>, shard: Shard) -> Result<Frame,
         size: scene.image.size,
         background: scene.image.background,
         depth: picture.depth(),
-        provenance: Provenance::of(scene, &gpu.info().title(), &frame.measurements)?,
+        provenance: picture.provenance(scene, &frame)?,
     };
     let path = shard.path(output);
     write_whole(&path, &shard::encode(&whole, shard, &frame))

@@ -4,12 +4,15 @@ use crate::args::{Arguments, Command};
 use crate::compare::Failed;
 use crate::sequence::Interrupted;
 use crate::terminal::{UNSAID, complain, say, say_json};
-#[cfg(feature = "viewer")]
-use crate::view::{self, NoWindow};
 use crate::{
     bench, brief, compare, convert, doctor, effects, explain, field, gallery, info, log, manual, merge, mesh, paper,
 };
 use crate::{render, settings, stress, verify};
+#[cfg(feature = "viewer")]
+use crate::{
+    render_job,
+    view::{self, NoWindow},
+};
 use clap::error::ErrorKind;
 use hypertexture::gpu::Options;
 use hypertexture::scene::SceneError;
@@ -174,6 +177,8 @@ pub(crate) fn carry_out(command: Command, options: &Options, quiet: bool) -> Res
                 compile::JOB => Ok(compile::serve(parent)?),
                 guard::JOB => Ok(guard::serve(parent, options)?),
                 worker::JOB => Ok(worker::serve(parent, options)?),
+                #[cfg(feature = "viewer")]
+                viewer::FINAL_JOB => Ok(render_job::serve(parent, options)?),
                 job => Err(format!("no job `{job}`").into()),
             }
         }

@@ -17,6 +17,7 @@ use hypertexture::render::{Renderer, Subject, check_depth, try_custom_modules, u
 use hypertexture::scene::{self, Pass, Scene};
 use hypertexture::shader::Library;
 use measure::compare::{Failure, Session};
+use measure::guard::edited;
 use measure::metric::Metric;
 use measure::pick::{ErrorBound, Pick, Verified, remembered};
 use measure::predict::{Estimate, Prediction, predict};
@@ -168,6 +169,17 @@ pub(super) fn run(command: &Render, options: &Options, quiet: bool) -> Result<()
         [&mut scene, &mut base].into_iter().for_each(smooth);
     }
     let (variant, library) = super::checked(&scene)?;
+    render(command, options, quiet, (variant, base, library))
+}
+
+/// Renders a checked scene, or predicts its cost. `base` is the scene before the arguments.
+pub(super) fn render(
+    command: &Render,
+    options: &Options,
+    quiet: bool,
+    (variant, base, library): (Variant, Scene, Library),
+) -> Result<(), Box<dyn Error>> {
+    let scene = &variant.scene;
     let bound = command.max_error.map(|error| ErrorBound::new(command.metric, error)).transpose();
     let bound = bound.map_err(|error| format!("--max-error: {error}"))?;
     command.check_piped()?;
@@ -181,14 +193,14 @@ pub(super) fn run(command: &Render, options: &Options, quiet: bool) -> Result<()
         return Err(format!("--depth-map {}: a color file cannot store a depth; write .exr", file.display()).into());
     }
     if command.depth_map.is_some() {
-        check_depth(&scene, &library)?;
+        check_depth(scene, &library)?;
     }
     let shard = command.shard.map(ShardChoice::shard).transpose()?;
     let sequence = command.motion.sequence()?;
     let written = command.written(shard, sequence.as_ref())?;
-    output::check_all(written.clone(), files_read(&command.input, &scene))?;
+    output::check_all(written.clone(), files_read(&command.input, scene))?;
     if let Some(sequence) = &sequence {
-        sequence.scene(&scene, sequence.frames.last).check(&library)?;
+        sequence.scene(scene, sequence.frames.last).check(&library)?;
     }
     super::try_modules(&variant, &library, Some(options))?;
     let began = Instant::now();
@@ -256,7 +268,8 @@ fn draw(
     }
     let (output, depth) = (&*command.output, &*command.depth);
     let (began, loading_ms) = (*began, *loading_ms);
-    let picture = Picture { gpu, library, variant, subject, output, depth, quiet, tell, began, loading_ms };
+    let edited = &edited(variant, library)?;
+    let picture = Picture { gpu, library, variant, subject, edited, output, depth, quiet, tell, began, loading_ms };
     if command.predict {
         let prediction = predict(&mut Renderer::new(gpu, library, subject), &variant.scene)?;
         if !command.json {

@@ -5,7 +5,7 @@ use super::{absolute, with_progress};
 use clap::Args;
 use hypertexture::output::sequence::{Frames, Manifest, Sequence, frame_path, manifest_path};
 use hypertexture::output::shard::{Shard, ShardError};
-use hypertexture::output::{Provenance, identity, write};
+use hypertexture::output::{identity, write};
 use hypertexture::render::{Renderer, same_pictures};
 use serde_json::{Value, json};
 use std::error::Error;
@@ -135,7 +135,7 @@ pub fn render_frames(
             }
             let scene = sequence.scene(scene, *frame);
             let drawn = renderer.render(&scene)?;
-            let provenance = Provenance::of(&scene, &gpu.info().title(), &drawn.measurements)?;
+            let provenance = picture.provenance(&scene, &drawn)?;
             write(&drawn, scene.image.background, picture.depth(), &provenance, path)?;
             manifest.add(*frame, path)?;
             rendered += 1;

@@ -69,6 +69,15 @@ pub fn own_files(scene: &impl Checkable, library: &Library) -> Result<BTreeMap<S
     Ok(changed)
 }
 
+/// Files of a scene's programs whose text is neither the shipped one nor that of the scene's files.
+pub fn edited(scene: &impl Checkable, library: &Library) -> Result<Vec<String>, VariantError> {
+    let programs = programs(scene, library)?;
+    let filed = programs[0].scene.library().unwrap_or_else(|_| shader::shipped());
+    let changed = library.sources().filter(|(path, text)| filed.source(path) != Some(text)).map(|(path, _)| path);
+    let used = changed.filter(|path| programs.iter().any(|program| program.reaches(library, path)));
+    Ok(used.map(String::from).collect())
+}
+
 /// Programs of a scene: of its picture, and of its shadows if it casts any.
 pub fn programs(scene: &impl Checkable, library: &Library) -> Result<Vec<Variant>, VariantError> {
     let picture = scene.checked(library)?.into_owned();

@@ -222,6 +222,14 @@ impl Parent {
         Ok(())
     }
 
+    /// Lowers the priority of this process below that of the parent.
+    pub fn give_way(&self) {
+        #[cfg(unix)]
+        if let Err(error) = rustix::process::setpriority_process(None, 10) {
+            log::info!("the job has the priority of its parent: {error}");
+        }
+    }
+
     /// Reads the next request; `None` at the end.
     ///
     /// # Errors

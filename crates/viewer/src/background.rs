@@ -79,11 +79,6 @@ impl<T: Send + 'static> Background<T> {
         }
     }
 
-    /// Waits for the next value.
-    pub(super) fn wait(&self) -> Option<T> {
-        self.values.recv().ok()
-    }
-
     /// Waits for the end of the thread; `Err` if it panicked.
     pub(super) fn join(mut self) -> thread::Result<()> {
         self.thread.take().map_or(Ok(()), JoinHandle::join)

@@ -1,23 +1,42 @@
 //! Final pictures, rendered by a child process so that the window stays responsive.
 //!
-//! Role: a scene and an order -> `hypertexture render`, then ffmpeg for a video. Invariants: a stopped order leaves
-//! whole files or none; the process ends with the [`Rendering`].
+//! Role: an [`Order`] -> the job [`JOB`], which does the work of `render`, then ffmpeg for a video. Invariants: a stopped order
+//! leaves whole files or none; the processes end with the [`Rendering`].
 
+use super::author::Gate;
 use super::background::{Background, silent};
 use hypertexture::output::sequence::{frame_path, manifest_path};
 use hypertexture::scene::{self, Color, Scene};
-use std::io::Read;
+use hypertexture::shader::{self, Library};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
-use std::time::Instant;
-use support::{disk_cache, open, write_whole};
+use std::process::{Command, Stdio};
+use std::task::Poll;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+use support::jobs::{Child, Limits};
+use support::open;
 
+/// Name of the job.
+pub const JOB: &str = "final";
 /// Size limit of a manifest, bytes.
 const MAX_MANIFEST: u64 = 1 << 24;
 /// Background of a video, which has no transparency, if the scene has none.
 pub(super) const BEHIND: Color = Color([22, 23, 26]);
-/// Size limit of the error output of a process, bytes.
-const MAX_SAID: u64 = 1 << 16;
+/// Interval between polls of ffmpeg.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// Request to the child process.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct RenderJob {
+    /// Text of the scene.
+    pub scene: String,
+    /// Texts of modules that differ from the shipped ones.
+    pub changed: BTreeMap<String, String>,
+    /// Command line of `render`, whose input stands for the scene.
+    pub command: Vec<String>,
+}
 
 /// Kind of the output.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,11 +60,20 @@ pub(super) struct Motion {
     pub(super) restart: bool,
 }
 
+impl Default for Motion {
+    /// A turntable of four seconds.
+    fn default() -> Motion {
+        Motion { frames: 100, fps: 25.0, turntable: true, restart: false }
+    }
+}
+
 /// A request for final pictures.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone)]
 pub(super) struct Order {
     /// The scene, with its size and samples.
     pub(super) scene: Scene,
+    /// Its modules.
+    pub(super) library: Library,
     pub(super) kind: Kind,
     /// The animation; a picture has none.
     pub(super) motion: Option<Motion>,
@@ -56,6 +84,17 @@ pub(super) struct Order {
 }
 
 impl Order {
+    /// The picture of a scene.
+    pub(super) fn picture(scene: Scene, library: Library, path: PathBuf) -> Order {
+        Order { scene, library, kind: Kind::Picture, motion: None, max_error: None, path }
+    }
+
+    /// The pictures of a turntable.
+    pub(super) fn turntable(scene: Scene, library: Library, path: PathBuf) -> Order {
+        let motion = Some(Motion { restart: true, ..Motion::default() });
+        Order { kind: Kind::Sequence, motion, ..Order::picture(scene, library, path) }
+    }
+
     /// Path of the pictures; those of a video are next to it.
     pub(super) fn pictures(&self) -> PathBuf {
         match self.kind {
@@ -75,9 +114,11 @@ impl Order {
         }
     }
 
-    /// Arguments of `render` besides the scene.
-    pub(super) fn arguments(&self) -> Vec<String> {
-        let mut words = vec!["--output".into(), self.pictures().display().to_string()];
+    /// The command line.
+    fn command(&self) -> Vec<String> {
+        let mut words: Vec<String> =
+            ["hypertexture", "--quiet", "render", "scene", "--output"].map(String::from).into();
+        words.push(self.pictures().display().to_string());
         if let Some(error) = self.max_error {
             words.extend(["--max-error".into(), error.to_string()]);
         }
@@ -89,6 +130,31 @@ impl Order {
         }
         words
     }
+
+    /// Renders the pictures, and encodes the video.
+    fn perform(&self, program: &Path, device: Option<&str>, is_stale: &dyn Fn() -> bool) -> Result<(), String> {
+        let (scene, changed) = (scene::to_text(&self.scene), shader::changed(&self.library));
+        let job = RenderJob { scene, changed, command: self.command() };
+        let limits = Limits { time: Duration::from_secs(1 << 30), memory_mib: 1 << 30, ..Limits::default() };
+        let rendered = Child::start(program, device, JOB, &limits).and_then(|mut child| {
+            child.send(&job);
+            child.receive::<Result<(), String>>(is_stale)
+        });
+        rendered.map_err(|ended| format!("{}: {ended}", program.display()))?.0?;
+        let Some(motion) = self.motion.filter(|_| self.kind == Kind::Video) else { return Ok(()) };
+        let fail = |error: std::io::Error| format!("ffmpeg: {error}");
+        let mut process = ffmpeg(&self.pictures(), motion.fps, &self.path).spawn().map_err(fail)?;
+        while process.try_wait().map_err(fail)?.is_none() {
+            if is_stale() {
+                let _ = process.kill(); // it may have ended
+            }
+            sleep(LOOK);
+        }
+        let output = process.wait_with_output().map_err(fail)?;
+        let said = String::from_utf8_lossy(&output.stderr);
+        let last = said.lines().rfind(|line| !line.trim().is_empty()).unwrap_or("no error message");
+        if output.status.success() { Ok(()) } else { Err(format!("ffmpeg: {last}")) }
+    }
 }
 
 /// Whether a program is on the `PATH`.
@@ -99,87 +165,19 @@ pub(super) fn is_installed(name: &str) -> bool {
 
 /// An order in progress.
 pub(super) struct Rendering {
-    order: Order,
-    /// The scene file of the child process.
-    file: PathBuf,
-    process: Process,
-    /// Whether the frames are finished and ffmpeg is running.
-    is_last: bool,
+    pub(super) order: Order,
+    done: Background<Result<(), String>>,
     began: Instant,
 }
 
-/// A child process and its error output.
-struct Process {
-    child: Child,
-    stderr: Option<Background<String>>,
-}
-
-impl Process {
-    fn start(command: &mut Command) -> Result<Process, String> {
-        let name = command.get_program().to_string_lossy().into_owned();
-        command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
-        let mut child = command.spawn().map_err(|error| format!("{name}: {error}"))?;
-        give_way(&child);
-        let stderr = child.stderr.take().map(|pipe| {
-            Background::start(&silent(), move |task| {
-                let mut said = String::new();
-                // Output that is not UTF-8 or too long is dropped.
-                let _ = pipe.take(MAX_SAID).read_to_string(&mut said);
-                task.send(said);
-            })
-        });
-        Ok(Process { child, stderr })
-    }
-
-    /// The result of the process, if it has ended.
-    fn poll(&mut self) -> Option<Result<(), String>> {
-        let status = match self.child.try_wait() {
-            Ok(None) => return None,
-            Ok(Some(status)) => status,
-            Err(error) => return Some(Err(error.to_string())),
-        };
-        let said = self.stderr.take().and_then(|stderr| stderr.wait()).unwrap_or_default();
-        let last = said.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or("no error message");
-        Some(if status.success() { Ok(()) } else { Err(last.trim_start_matches("error: ").to_string()) })
-    }
-}
-
-impl Drop for Process {
-    fn drop(&mut self) {
-        // The process may have ended.
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
-}
-
-/// Lowers the priority of the process below that of the window.
-fn give_way(child: &Child) {
-    #[cfg(unix)]
-    {
-        let id = rustix::process::Pid::from_raw(child.id() as i32);
-        if let Some(Err(error)) = id.map(|id| rustix::process::setpriority_process(Some(id), 10)) {
-            log::info!("the final picture has the priority of the window: {error}");
-        }
-    }
-    #[cfg(not(unix))]
-    let _ = child;
-}
-
 impl Rendering {
-    /// Starts `program`, the executable of hypertexture.
-    ///
-    /// # Errors
-    /// The scene cannot be written, or the program cannot be started.
-    pub(super) fn start(program: &Path, order: Order) -> Result<Rendering, String> {
-        let folder = disk_cache::default_folder().unwrap_or_else(std::env::temp_dir).join("final");
-        let file = folder.join(format!("{}.toml", std::process::id()));
-        std::fs::create_dir_all(&folder)
-            .and_then(|()| write_whole(&file, scene::to_text(&order.scene).as_bytes()))
-            .map_err(|error| format!("{}: {error}", file.display()))?;
-        let mut command = Command::new(program);
-        command.args(["--quiet", "render"]).arg(&file).arg("--outside").args(order.arguments());
-        let process = Process::start(&mut command)?;
-        Ok(Rendering { order, file, process, is_last: false, began: Instant::now() })
+    /// Starts an order on the device of a gate.
+    pub(super) fn start(gate: &Gate, order: Order) -> Rendering {
+        let (program, device, own) = (gate.program().to_path_buf(), gate.device(), order.clone());
+        let done = Background::start(&silent(), move |task| {
+            task.send(own.perform(&program, device.as_deref(), &|| task.is_cancelled()));
+        });
+        Rendering { order, done, began: Instant::now() }
     }
 
     /// Seconds since the start.
@@ -190,43 +188,32 @@ impl Rendering {
     /// Number of finished frames and of all frames; `None` for a picture.
     pub(super) fn frames(&self) -> Option<(u32, u32)> {
         let all = self.order.motion?.frames;
-        let lines = open::text(&manifest_path(&self.order.pictures(), None), MAX_MANIFEST).ok()?;
+        let lines = open::text(&manifest_path(&self.order.pictures(), None), MAX_MANIFEST).unwrap_or_default();
         Some(((lines.lines().count() as u32).saturating_sub(1).min(all), all))
     }
 
-    /// The result of the order, if it has ended. Starts ffmpeg once the frames of a video are finished.
-    pub(super) fn poll(&mut self) -> Option<Result<String, String>> {
-        if let Err(reason) = self.process.poll()? {
-            return Some(Err(reason));
-        }
-        if let (Kind::Video, Some(motion), false) = (self.order.kind, self.order.motion, self.is_last) {
-            self.is_last = true;
-            return match Process::start(&mut ffmpeg(&self.order.pictures(), motion.fps, &self.order.path)) {
-                Ok(process) => {
-                    self.process = process;
-                    None
-                }
-                Err(reason) => Some(Err(reason)),
-            };
-        }
-        let [width, height] = self.order.scene.image.size;
-        let path = std::path::absolute(&self.order.path).unwrap_or_else(|_| self.order.path.clone());
-        Some(Ok(format!("wrote {}, {width} x {height} pixels, in {} s", path.display(), self.seconds())))
+    /// The result of the order, if it has ended.
+    pub(super) fn poll(&self) -> Option<Result<String, String>> {
+        let Poll::Ready(done) = self.done.poll() else { return None };
+        let Order { scene, motion, path, .. } = &self.order;
+        let ([width, height], path) = (scene.image.size, std::path::absolute(path).unwrap_or_else(|_| path.clone()));
+        let count = motion.map_or(String::new(), |motion| format!("{} pictures of ", motion.frames));
+        let background = if scene.image.background.is_some() { "its" } else { "a transparent" };
+        Some(done.unwrap_or_else(|| Err("its thread has failed".into())).map(|()| {
+            let (path, seconds) = (path.display(), self.seconds());
+            format!("wrote {path}, {count}{width} x {height} pixels, with {background} background, in {seconds} s")
+        }))
     }
 }
 
-impl Drop for Rendering {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_file(&self.file); // it is of no use to anybody
-    }
-}
-
-/// Command for a video of frames, padded to even sides, which most codecs require.
+/// Command for a video of frames, padded to even sides, which most codecs require. It ends at the first error.
 fn ffmpeg(frames: &Path, fps: f64, to: &Path) -> Command {
     let pattern = frames.display().to_string().replace('%', "%%").replace("####", "%04d");
     let mut command = Command::new("ffmpeg");
-    command.args(["-nostdin", "-loglevel", "error", "-y", "-framerate", &fps.to_string(), "-start_number", "0", "-i"]);
-    command.arg(pattern).args(["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"]).arg(to);
+    command.args(["-nostdin", "-loglevel", "error", "-xerror", "-y", "-framerate", &fps.to_string()]);
+    command.args(["-start_number", "0", "-i"]).arg(pattern);
+    command.args(["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"]).arg(to);
+    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
     command
 }
 
@@ -236,20 +223,13 @@ mod tests {
 
     #[test]
     fn an_order_is_what_a_person_would_type() {
-        let motion = Motion { frames: 100, fps: 25.0, turntable: true, restart: false };
-        let order = |kind, motion, path: &str| Order {
-            scene: Scene::default(),
-            kind,
-            motion,
-            max_error: None,
-            path: path.into(),
-        };
-        let picture = Order { max_error: Some(0.004), ..order(Kind::Picture, None, "a.png") };
-        assert_eq!(picture.arguments(), ["--output", "a.png", "--max-error", "0.004"]);
+        let order = |path: &str| Order::picture(Scene::default(), shader::shipped(), path.into());
+        let picture = Order { max_error: Some(0.004), ..order("a.png") };
+        assert_eq!(picture.command()[4..], ["--output", "a.png", "--max-error", "0.004"]);
         assert_eq!(picture.first(), Path::new("a.png"));
-        let video = order(Kind::Video, Some(motion), "out/turn.mp4");
+        let video = Order { kind: Kind::Video, motion: Some(Motion::default()), ..order("out/turn.mp4") };
         let words = ["--output", "out/turn_####.png", "--frames", "0..99", "--fps", "25", "--turntable"];
-        assert_eq!((video.arguments(), video.first()), (words.map(String::from).into(), "out/turn_0000.png".into()));
+        assert_eq!((&video.command()[4..], video.first()), (&words.map(String::from)[..], "out/turn_0000.png".into()));
         let command = ffmpeg(&video.pictures(), 25.0, &video.path);
         let words: Vec<_> = command.get_args().map(|word| word.to_string_lossy().into_owned()).collect();
         assert!(words.contains(&"out/turn_%04d.png".into()) && words.last().unwrap() == "out/turn.mp4", "{words:?}");

@@ -45,8 +45,6 @@ pub(super) struct Figures {
     pub(super) difference: Option<f64>,
     /// Times of the last previews, the newest last, milliseconds.
     pub(super) recent_ms: Vec<f64>,
-    /// Finished frames and all frames of a turntable.
-    pub(super) recording: Option<(u32, u32)>,
     /// Legend of the validity colors.
     pub(super) validity: Vec<([u8; 3], String)>,
     /// Progress of the search for the fastest settings, 0 to 1.

@@ -1,9 +1,10 @@
 //! Actions of keys, panels and dropped files.
 
 use super::state::App;
+use crate::finals::Order;
 use crate::keys::Action;
 use crate::panels::{Question, Request, SIDES};
-use crate::worker::{Task, Variant};
+use crate::worker::Variant;
 use egui::Ui;
 use hypertexture::scene::{self, Camera, Scene};
 use measure::metric::Metric;
@@ -14,8 +15,6 @@ use std::time::{Duration, Instant};
 
 /// Time without a change of the scene before the search for the fastest settings starts.
 const CALM: Duration = Duration::from_millis(500);
-/// Number of frames of a turntable: four seconds.
-const TURN: u32 = 100;
 
 impl App {
     pub(super) fn act(&mut self, action: Action) {
@@ -26,7 +25,7 @@ impl App {
             Action::Previous => self.step(-1),
             Action::Next => self.step(1),
             Action::Screenshot => self.request(Request::Screenshot(free_name("hypertexture", ".png"))),
-            Action::Record => self.request(Request::Record(self.figures.recording.is_none())),
+            Action::Record => self.request(Request::Record(self.panels.finals.frames().is_none())),
             Action::Compare => {
                 let kept = self.comparison.pinned.is_none().then(|| Box::new(self.shown()));
                 self.request(Request::Split(kept));
@@ -81,8 +80,11 @@ impl App {
                 self.validity = on;
                 self.comparison.pinned = self.comparison.pinned.take().filter(|_| !on); // it is that of one variant
             }
-            Request::Record(true) => self.record(),
-            Request::Record(false) => self.stop(),
+            Request::Record(true) => {
+                let (scene, path) = (self.shown(), free_name("turntable", "_####.png"));
+                self.panels.finals.add(Order::turntable(scene, self.model.library().clone(), path));
+            }
+            Request::Record(false) => self.panels.finals.stop(),
             Request::Pause(false) => self.time.clock = Some(self.model.scene().camera.time),
             Request::Pause(true) => {
                 if let Some(clock) = self.time.clock.take() {
@@ -99,7 +101,7 @@ impl App {
             Request::Playback(playback) => self.time.playback = playback,
             Request::Level(level) => self.navigation.level = level,
             Request::MaxError(error) => {
-                (self.max_error, self.tasks.pick) = (error, error);
+                (self.max_error, self.search.pick) = (error, error);
                 if self.figures.picking.is_some() {
                     self.stop(); // the search was for the old target
                 }
@@ -133,7 +135,7 @@ impl App {
         self.note(format!("{}: {}", names[next as usize], self.model.scene().about));
     }
 
-    /// Stops a turntable or a search.
+    /// Stops the search for the fastest settings.
     pub(super) fn stop(&self) {
         if let Some(worker) = &self.worker {
             worker.stop();
@@ -155,38 +157,26 @@ impl App {
 
     /// Writes the picture of the current scene.
     pub(crate) fn screenshot(&mut self, path: PathBuf) {
-        let transparent = self.model.scene().image.background.is_none();
-        self.write(path, None, if transparent { ", with a transparent background" } else { ", with its background" });
-    }
-
-    fn record(&mut self) {
-        self.figures.recording = Some((0, TURN));
-        self.write(free_name("turntable", "_####.png"), Some(TURN), "");
-    }
-
-    fn write(&mut self, path: PathBuf, frames: Option<u32>, note: &str) {
-        let [width, height] = self.model.scene().image.size;
-        let count = frames.map_or(String::new(), |frames| format!("{frames} pictures of "));
-        self.tasks.writing = format!(", {count}{width} x {height} pixels{note}");
-        let edited = self.model.edited();
-        self.task(|variant| Task::Write { variant, path, frames, edited });
+        self.panels.finals.add(Order::picture(self.shown(), self.model.library().clone(), path));
     }
 
     /// Starts the search for the fastest settings within the error target, once the mouse is released.
     pub(super) fn pick(&mut self, ui: &Ui, now: Instant) {
-        let Some(error) = self.tasks.pick else { return };
+        let Some(error) = self.search.pick else { return };
         let rests = self.time.clock.is_some() || now.duration_since(self.jobs.changed) >= CALM;
         let is_free = !ui.input(|input| input.pointer.any_down()) && self.loader.progress().is_none();
         // A preview comes first: the search occupies the device.
-        if !(rests && is_free && self.is_current() && self.tasks.running == 0) {
+        let is_ready = rests && is_free && self.is_current() && self.figures.picking.is_none();
+        let (true, Some(worker), Some(job)) = (is_ready, &self.worker, &self.jobs.submitted) else {
             return ui.ctx().request_repaint_after(CALM);
-        }
-        self.tasks.pick = None;
+        };
+        self.search.pick = None;
         match ErrorBound::new(Metric::Rmse, error) {
             Ok(bound) => {
+                worker.pick(Variant { scene: self.shown(), ..job.variants[0].clone() }, bound);
                 self.figures.picking = Some(0.0);
-                self.tasks.picked_for = Some(self.model.scene().clone());
-                self.task(|variant| Task::Pick { variant, bound });
+                self.search.picked_for = Some(self.model.scene().clone());
+                self.jobs.submitted = None; // the picture is gone on with afterwards
             }
             Err(error) => self.fail(error.to_string()),
         }
@@ -195,7 +185,7 @@ impl App {
     /// Applies the settings that were found.
     pub(super) fn take(&mut self, pick: &Pick) {
         let content = |scene: &Scene| Scene { camera: Camera::default(), ..scene.clone() };
-        if self.tasks.picked_for.take().map(|scene| content(&scene)) != Some(content(self.model.scene())) {
+        if self.search.picked_for.take().map(|scene| content(&scene)) != Some(content(self.model.scene())) {
             self.fail("the scene changed during the search for the fastest settings: try again");
             return;
         }
@@ -210,19 +200,6 @@ impl App {
             let error = rounded_up(pick.verified.error);
             self.note(format!("using {}: error at most {error:.1e} against {by}", pick.settings));
         }
-    }
-
-    fn task(&mut self, task: impl FnOnce(Box<Variant>) -> Task) {
-        let scene = self.shown();
-        let subject = self.jobs.submitted.as_ref().filter(|_| !self.jobs.lacks_object);
-        let (Some(posted), Some(worker)) = (subject, &self.worker) else {
-            self.failure.get_or_insert("the object is not loaded yet".into());
-            self.fail("the object is not loaded yet");
-            return;
-        };
-        worker.add(task(Box::new(Variant { scene, ..posted.variants[0].clone() })));
-        self.tasks.running += 1;
-        self.jobs.submitted = None; // the picture is gone on with afterwards
     }
 }
 

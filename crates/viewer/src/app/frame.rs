@@ -42,6 +42,9 @@ impl App {
         }
         let status = self.status();
         let requests = self.panels.show(ui, &mut self.model, &status);
+        if let Some(error) = self.panels.finals.outcome().filter(|outcome| outcome.is_error) {
+            self.failure.get_or_insert_with(|| error.text.clone());
+        }
         for request in requests {
             self.request(request);
         }

@@ -75,7 +75,7 @@ impl App {
                 Action::Level => Some(self.navigation.level),
                 Action::Inspect => Some(self.inspector.is_open()),
                 Action::FullScreen => Some(self.full_screen),
-                Action::Record => Some(self.figures.recording.is_some()),
+                Action::Record => Some(self.panels.finals.frames().is_some()),
                 _ => None,
             };
             for binding in keys::KEYS.iter().filter(|binding| !binding.what.is_empty()) {

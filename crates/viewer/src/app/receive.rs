@@ -38,36 +38,24 @@ impl App {
                     // Errors of an earlier scene no longer apply.
                     self.message.take_if(|said| said.is_error && picture.number > self.message_job);
                 }
-                Event::Stopped(line) => {
-                    (self.tasks.running, self.figures.recording) = (self.tasks.running.saturating_sub(1), None);
-                    self.note(line);
-                }
                 Event::Made(lines) => self.figures.made = lines,
                 Event::Ignored(ignored) => self.figures.ignored = ignored,
-                Event::Wrote(path) => {
-                    self.tasks.running = self.tasks.running.saturating_sub(1);
-                    self.figures.recording = None;
-                    let path = std::path::absolute(&path).unwrap_or(path);
-                    self.note(format!("wrote {}{}", path.display(), self.tasks.writing));
-                }
                 Event::Picking(done) => self.figures.picking = Some(done),
                 Event::Picked(pick) => {
-                    (self.tasks.running, self.figures.picking) = (self.tasks.running.saturating_sub(1), None);
+                    self.figures.picking = None;
                     if let Some(pick) = pick {
                         self.take(&pick);
                     }
                 }
-                Event::Recorded(done, all) => self.figures.recording = Some((done, all)),
                 Event::Refused(reason) => {
                     self.failure.get_or_insert(reason.clone());
-                    (self.tasks.running, self.figures.recording, self.figures.picking) = (0, None, None);
+                    self.figures.picking = None;
                     self.fail(reason);
                 }
                 Event::Failed(reason) => {
-                    if self.tasks.running > 0 {
+                    if self.figures.picking.take().is_some() {
                         self.failure.get_or_insert(reason.clone());
                     }
-                    (self.tasks.running, self.figures.recording, self.figures.picking) = (0, None, None);
                     self.fail(reason);
                 }
                 Event::Lost => self.lost = true,
@@ -76,7 +64,8 @@ impl App {
     }
 
     pub(super) fn status(&mut self) -> Status {
-        let Figures { error, standard_error, size, samples, recording, .. } = &self.figures;
+        let Figures { error, standard_error, size, samples, .. } = &self.figures;
+        let recording = self.panels.finals.frames();
         let recent = &self.figures.recent_ms;
         let mean = recent.iter().sum::<f64>() / recent.len().max(1) as f64;
         let variance = recent.iter().map(|ms| (ms - mean).powi(2)).sum::<f64>() / recent.len().max(1) as f64;

@@ -78,7 +78,7 @@ pub(crate) struct App {
     pub(super) densities: Densities,
     pub(super) unused_settings: UnusedSettings,
     pub(crate) jobs: Jobs,
-    pub(crate) tasks: Tasks,
+    pub(super) search: Search,
     pub(super) help: bool,
     /// The first failure of an object or a task, which ends a script.
     pub(crate) failure: Option<String>,
@@ -187,17 +187,13 @@ impl Jobs {
     }
 }
 
-/// Tasks of the render thread.
+/// The search for the fastest settings.
 #[derive(Default)]
-pub(crate) struct Tasks {
-    /// Number of unfinished tasks.
-    pub(crate) running: u32,
-    /// Error of a search for the fastest settings that has not started.
+pub(super) struct Search {
+    /// Error of a search that has not started.
     pub(super) pick: Option<f64>,
     /// The scene of the running search.
     pub(super) picked_for: Option<Scene>,
-    /// End of the message about the files that are being written.
-    pub(super) writing: String,
 }
 
 impl App {
@@ -235,7 +231,7 @@ impl App {
             densities: Densities::default(),
             unused_settings: UnusedSettings::default(),
             jobs: Jobs::new(now),
-            tasks: Tasks { pick: start.max_error, ..Tasks::default() },
+            search: Search { pick: start.max_error, picked_for: None },
             help: false,
             failure: None,
             lost: false,
@@ -256,7 +252,7 @@ impl App {
         gate.try_on(&info.name);
         self.worker = Some(Worker::start(gpu.clone(), gate, self.figures.budget_ms, self.notify.clone()));
         self.screen.forget();
-        (self.jobs.submitted, self.lost, self.tasks.running) = (None, false, 0);
+        (self.jobs.submitted, self.lost, self.figures.picking) = (None, false, None);
     }
 
     /// Drops everything that holds the device.
@@ -295,6 +291,11 @@ impl App {
     /// Whether the picture shows the current scene.
     pub(crate) fn is_current(&self) -> bool {
         !self.jobs.lacks_object && self.jobs.since > 0 && self.jobs.on_screen >= self.jobs.since
+    }
+
+    /// Whether neither a search runs nor a final picture is rendered.
+    pub(crate) fn is_idle(&self) -> bool {
+        self.figures.picking.is_none() && !self.panels.finals.is_running()
     }
 
     /// Name and progress of the object that is being loaded.

@@ -80,7 +80,7 @@ impl App {
             if self.figures.picking.is_some() && self.time.clock.is_none() {
                 // Input has priority: the search restarts once the scene rests.
                 self.stop();
-                self.tasks.pick = self.max_error;
+                self.search.pick = self.max_error;
             }
         }
         let busy = self.navigation.dragging || self.time.clock.is_some() || self.navigation.glide.is_some();

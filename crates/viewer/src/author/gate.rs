@@ -6,7 +6,7 @@ use hypertexture::shader::compile::{CompileError, Job};
 use hypertexture::shader::{Library, shipped};
 use measure::guard::{RAYS, own_files, programs, try_modules};
 use std::collections::HashMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard};
 
 /// Limit for the test rays, milliseconds. A window has about a hundred times as many pixels, on a device that is
@@ -34,6 +34,16 @@ impl Gate {
         Gate { shipped: shipped(), program, device: Mutex::new(None), verdicts: Mutex::new(HashMap::new()) }
     }
 
+    /// The executable of child processes.
+    pub(crate) fn program(&self) -> &Path {
+        &self.program
+    }
+
+    /// Device of the test rays.
+    pub(crate) fn device(&self) -> Option<String> {
+        held(&self.device).clone()
+    }
+
     /// Tests programs on the device of this name from now on.
     pub fn try_on(&self, device: &str) {
         *held(&self.device) = Some(device.into());
@@ -59,8 +69,7 @@ impl Gate {
         if let Some(verdict) = held(&self.verdicts).get(&key) {
             return verdict.clone().map_or(Ok(()), |reason| Err(CompileError::Refused(reason)));
         }
-        let device = held(&self.device).clone();
-        let tried = match try_modules(&self.program, device.as_deref(), (scene, library), is_stale) {
+        let tried = match try_modules(&self.program, self.device().as_deref(), (scene, library), is_stale) {
             Ok(Some(ms)) if ms > MOST_MS => Err(CompileError::Slow { rays: RAYS, ms, most: MOST_MS }),
             tried => tried.map(drop),
         };

@@ -3,8 +3,8 @@
 use crate::message::Message;
 use hypertexture::scene::{self, Camera, ParameterValue, Parameters, Part, Scene, SceneError, schema};
 use hypertexture::shader::ParameterKind;
-use hypertexture::shader::{self, Library, Slots};
-use measure::guard::programs;
+use hypertexture::shader::{Library, Slots};
+use measure::guard;
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 
@@ -109,11 +109,7 @@ impl Model {
 
     /// The modules in use whose text differs from the shipped one and from that of the scene's files.
     pub fn edited(&self) -> Vec<String> {
-        let filed = self.scene.library().unwrap_or_else(|_| shader::shipped());
-        let changed = self.library.sources().filter(|(path, text)| filed.source(path) != Some(text));
-        let programs = programs(&self.scene, &self.library).unwrap_or_default();
-        let is_used = |path: &str| programs.iter().any(|program| program.reaches(&self.library, path));
-        changed.map(|(path, _)| path.to_string()).filter(|path| is_used(path)).collect()
+        guard::edited(&self.scene, &self.library).unwrap_or_default()
     }
 
     /// Whether the scene has unsaved changes.

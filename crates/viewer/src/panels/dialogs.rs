@@ -7,7 +7,6 @@ use crate::model::Model;
 use crate::unsaved;
 use egui::{Id, Modal, RichText, Ui};
 use egui_file_dialog::{DialogMode, DialogState, FileDialog};
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use support::{open, write_whole};
 
@@ -40,8 +39,6 @@ pub(super) struct Dialogs {
     list: Option<PathBuf>,
     /// The last scene file and object file.
     seen: [PathBuf; 2],
-    /// Pictures that this window wrote.
-    pictures: BTreeSet<PathBuf>,
 }
 
 impl Dialogs {
@@ -60,16 +57,6 @@ impl Dialogs {
     /// Opens the file dialog.
     pub(super) fn choose(&mut self) {
         self.dialog.pick_file();
-    }
-
-    /// Requests a picture, or asks first if that would replace a file.
-    pub(super) fn picture(&mut self, path: PathBuf) -> Option<Request> {
-        if path.exists() && !self.pictures.contains(&path) {
-            self.question = Some(Question::Picture(path));
-            return None;
-        }
-        self.pictures.insert(path.clone());
-        Some(Request::Screenshot(path))
     }
 
     /// Saves the scene, or asks first if that would replace a file.
@@ -146,10 +133,7 @@ impl Dialogs {
                 model.save(&path);
                 None
             }
-            (Answer::Yes, Question::Picture(path)) => {
-                self.pictures.insert(path.clone());
-                Some(Request::Screenshot(path))
-            }
+            (Answer::Yes, Question::Picture(path)) => Some(Request::Screenshot(path)),
             (Answer::Save, _) => {
                 self.save(model, file);
                 (!model.is_dirty()).then_some(Request::Quit)

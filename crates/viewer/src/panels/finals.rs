@@ -2,12 +2,14 @@
 
 use super::status::Status;
 use super::widgets::{Field, button, field, fit, named, number, switch};
+use crate::author::Gate;
 use crate::finals::{BEHIND, Kind, Motion, Order, Rendering, is_installed};
 use crate::message::Message;
 use crate::model::Model;
-use egui::{DragValue, Id, RichText, TextEdit, Ui, Window};
-use std::path::PathBuf;
-use std::sync::LazyLock;
+use egui::{DragValue, Id, TextEdit, Ui, Window};
+use std::collections::{BTreeSet, VecDeque};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, LazyLock};
 use std::time::Duration;
 
 /// Interval between polls of the process.
@@ -20,9 +22,9 @@ const FIRST_ERROR: f64 = 1e-3;
 /// Whether ffmpeg is installed.
 static FFMPEG: LazyLock<bool> = LazyLock::new(|| is_installed("ffmpeg"));
 
-/// State of the dialog.
-pub(super) struct Finals {
-    program: PathBuf,
+/// The orders, and the state of the dialog.
+pub(crate) struct Finals {
+    gate: Arc<Gate>,
     pub(super) is_open: bool,
     kind: Kind,
     path: String,
@@ -34,16 +36,16 @@ pub(super) struct Finals {
     max_error: Option<f64>,
     motion: Motion,
     running: Option<Rendering>,
+    waiting: VecDeque<Order>,
     outcome: Option<Message>,
-    /// Files that this dialog wrote.
-    own: Vec<PathBuf>,
+    /// First files of all orders.
+    pub(super) own: BTreeSet<PathBuf>,
 }
 
 impl Finals {
-    pub(super) fn new(program: PathBuf) -> Finals {
-        let motion = Motion { frames: 100, fps: 25.0, turntable: true, restart: false };
+    pub(super) fn new(gate: Arc<Gate>) -> Finals {
         Finals {
-            program,
+            gate,
             is_open: false,
             kind: Kind::Picture,
             path: "final.png".into(),
@@ -51,22 +53,60 @@ impl Finals {
             samples: None,
             supersampling: 4,
             max_error: None,
-            motion,
+            motion: Motion::default(),
             running: None,
+            waiting: VecDeque::new(),
             outcome: None,
-            own: Vec::new(),
+            own: BTreeSet::new(),
         }
     }
 
+    /// Renders an order after the earlier ones.
+    pub(crate) fn add(&mut self, order: Order) {
+        self.own.insert(order.first());
+        self.waiting.push_back(order);
+        self.outcome = None;
+        self.start_next();
+    }
+
+    fn start_next(&mut self) {
+        if self.running.is_none() {
+            self.running = self.waiting.pop_front().map(|order| Rendering::start(&self.gate, order));
+        }
+    }
+
+    /// Stops all orders.
+    pub(crate) fn stop(&mut self) {
+        self.waiting.clear();
+        let frames = self.running.take().and_then(|running| running.frames());
+        let progress = frames.map_or(String::new(), |(done, all)| format!(" after {done} of {all} frames"));
+        self.outcome = Some(Message::note(format!("the final picture was stopped{progress}")));
+    }
+
+    /// Whether a picture replaces a file that this window did not write.
+    pub(super) fn replaces(&self, path: &Path) -> bool {
+        path.exists() && !self.own.contains(path)
+    }
+
+    /// Whether an order is in progress.
+    pub(crate) fn is_running(&self) -> bool {
+        self.running.is_some()
+    }
+
+    /// Finished frames and all frames of the running order, if that is a sequence.
+    pub(crate) fn frames(&self) -> Option<(u32, u32)> {
+        self.running.as_ref()?.frames()
+    }
+
     /// Result of the last order.
-    pub(super) fn outcome(&self) -> Option<&Message> {
+    pub(crate) fn outcome(&self) -> Option<&Message> {
         self.outcome.as_ref()
     }
 
     /// Progress of the order, in words.
     pub(super) fn progress(&self) -> Option<String> {
         let running = self.running.as_ref()?;
-        let (kind, seconds) = (format!("{:?}", self.kind).to_lowercase(), running.seconds());
+        let (kind, seconds) = (format!("{:?}", running.order.kind).to_lowercase(), running.seconds());
         Some(match running.frames() {
             Some((done, all)) if done < all => format!("{kind}: {done} of {all} frames, {seconds} s"),
             _ => format!("{kind}: {seconds} s"),
@@ -84,18 +124,20 @@ impl Finals {
         }
         let motion = (self.kind != Kind::Picture).then_some(self.motion);
         let path = PathBuf::from(self.path.trim());
-        Order { scene, kind: self.kind, motion, max_error: self.max_error, path }
+        let (kind, max_error) = (self.kind, self.max_error);
+        Order { kind, motion, max_error, ..Order::picture(scene, model.library().clone(), path) }
     }
 
-    /// Shows the dialog if it is open, and polls the process.
+    /// Shows the dialog if it is open, and polls the running order.
     pub(super) fn show(&mut self, ui: &Ui, model: &Model, status: &Status) {
-        if let Some(running) = &mut self.running {
+        if let Some(running) = &self.running {
             match running.poll() {
                 None => ui.ctx().request_repaint_after(LOOK),
                 Some(done) => {
                     let failed = |reason| Message::error(format!("final picture: {reason}"));
                     self.outcome = Some(done.map_or_else(failed, Message::note));
                     self.running = None;
+                    self.start_next();
                 }
             }
         }
@@ -124,7 +166,7 @@ impl Finals {
         let has_background = order.scene.image.background.is_some();
         ui.weak(if has_background { "with its background" } else { "with a transparent background" });
         ui.separator();
-        self.buttons(ui, model, order);
+        self.buttons(ui, order);
     }
 
     /// Kind and path of the output.
@@ -197,39 +239,25 @@ impl Finals {
         number(ui, &mut None, &smooth, &mut self.supersampling, 1..=64);
     }
 
-    fn buttons(&mut self, ui: &mut Ui, model: &Model, order: Order) {
-        let edited = model.edited();
+    fn buttons(&mut self, ui: &mut Ui, order: Order) {
         let first = order.first();
-        let replaces = first.exists() && !self.own.contains(&first);
+        let replaces = self.replaces(&first);
         if let Some(progress) = self.progress() {
             ui.horizontal(|ui| {
                 ui.spinner();
                 ui.label(progress);
                 if button(ui, "Stop", "final.stop", "Stop; finished frames stay.").clicked() {
-                    self.running = None;
-                    self.outcome = Some(Message::note("the final picture was stopped"));
+                    self.stop();
                 }
             });
-        } else if edited.is_empty() {
+        } else {
             if replaces {
                 ui.colored_label(ui.visuals().warn_fg_color, format!("{} exists", first.display()));
             }
             let text = if replaces { "Replace it" } else { "Render" };
             if button(ui, text, "final.render", "Render in the background.").clicked() {
-                match Rendering::start(&self.program, order) {
-                    Ok(running) => {
-                        (self.running, self.outcome) = (Some(running), None);
-                        self.own.push(first);
-                    }
-                    Err(reason) => self.outcome = Some(Message::error(reason)),
-                }
+                self.add(order);
             }
-        } else {
-            let line = format!(
-                "save these modules as files first, scene files do not contain their text: {}",
-                edited.join(", ")
-            );
-            ui.label(RichText::new(line).color(ui.visuals().warn_fg_color));
         }
     }
 }

@@ -48,7 +48,7 @@ pub struct Panels {
     width: f32,
     most: f32,
     theme: theme::Chosen,
-    finals: finals::Finals,
+    pub(crate) finals: finals::Finals,
 }
 
 impl Panels {
@@ -60,6 +60,7 @@ impl Panels {
         let effect = &model.scene().effect;
         let first = effect.dmf.first().map(|name| ("dmf", name.split('@').next().unwrap_or_default()));
         let (slot, name) = first.unwrap_or(("surface", &effect.surface));
+        let author = Author::new(program, model.library(), slot, name)?;
         Ok(Panels {
             selected: None,
             stop: 0,
@@ -67,8 +68,8 @@ impl Panels {
             dialogs: dialogs::Dialogs::default(),
             bookmarks: bookmarks::Bookmarks::default(),
             paths: [String::new(), "picture.png".into()],
-            finals: finals::Finals::new(program.clone()),
-            author: Author::new(program, model.library(), slot, name)?,
+            finals: finals::Finals::new(author.gate().clone()),
+            author,
             editor: editor::Editor::default(),
             author_is_open: false,
             author_was_open: false,
@@ -194,6 +195,11 @@ impl Panels {
         let at_stake = self.dialogs.question.as_ref().filter(|asked| **asked == Question::Quit);
         let at_stake = at_stake.and_then(|_| self.at_stake(model));
         requests.extend(self.dialogs.show(ui, model, &self.paths[0], at_stake));
+        for request in &requests {
+            if let Request::Screenshot(path) = request {
+                self.finals.own.insert(path.clone());
+            }
+        }
         self.finals.show(ui, model, status);
         let all = [complaint.as_ref(), model.notice(), status.message.as_ref(), self.finals.outcome()];
         let all: Vec<&Message> = all.into_iter().flatten().collect();
@@ -280,7 +286,10 @@ impl Panels {
     /// Passes a request on, or asks a question instead.
     fn asking(&mut self, request: Request, model: &Model) -> Option<Request> {
         match request {
-            Request::Screenshot(path) => self.dialogs.picture(path),
+            Request::Screenshot(path) if self.finals.replaces(&path) => {
+                self.ask(Question::Picture(path));
+                None
+            }
             Request::Quit if self.at_stake(model).is_some() => {
                 self.ask(Question::Quit);
                 None

@@ -80,7 +80,7 @@ impl Script {
         }
         self.frames += 1;
         let stage = app.figures.stage;
-        let steady = app.tasks.running == 0;
+        let steady = app.is_idle();
         let done = match &step {
             Step::Drawn => app.is_current(),
             Step::Picture => app.is_current() && !matches!(stage, Stage::None | Stage::Coarse | Stage::Partial),

@@ -1,11 +1,12 @@
 //! The window's handle of the render thread.
 
-use super::job::{Event, Job, Task};
+use super::job::{Event, Job, Variant};
 use super::render_thread::RenderThread;
 use super::shared::Shared;
 use crate::author::Gate;
 use crate::background::Notify;
 use hypertexture::gpu::Gpu;
+use measure::pick::ErrorBound;
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, mpsc};
 use std::thread::{self, JoinHandle};
@@ -46,11 +47,11 @@ impl Worker {
         self.shared.shown.store(number, Ordering::Relaxed);
     }
 
-    /// Queues a task, which interrupts the current picture.
-    pub(crate) fn add(&self, task: Task) {
+    /// Searches for the fastest settings within an error, which interrupts the current picture.
+    pub(crate) fn pick(&self, variant: Variant, bound: ErrorBound) {
         self.shared.stop.store(false, Ordering::Relaxed);
         self.shared.newest.store(u64::MAX, Ordering::Relaxed);
-        self.shared.inbox().tasks.push_back(task);
+        self.shared.inbox().search = Some((variant, bound));
         self.shared.wake.notify_one();
     }
 
@@ -59,7 +60,7 @@ impl Worker {
         self.thread.as_ref().is_none_or(JoinHandle::is_finished)
     }
 
-    /// Stops a turntable or a search.
+    /// Stops the search.
     pub(crate) fn stop(&self) {
         self.shared.stop.store(true, Ordering::Relaxed);
     }

@@ -1,12 +1,11 @@
-//! Jobs and tasks for the render thread, and its events.
+//! Jobs for the render thread, and its events.
 
 use crate::status::Stage;
 use egui::ColorImage;
 use hypertexture::render::{Subject, ViewPose};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
-use measure::pick::{ErrorBound, Pick};
-use std::path::PathBuf;
+use measure::pick::Pick;
 use std::sync::Arc;
 
 /// A scene with its modules and its object.
@@ -41,14 +40,6 @@ pub(crate) struct Job {
     pub(crate) validity: bool,
 }
 
-/// A task, which runs between jobs.
-pub(crate) enum Task {
-    /// Writes the picture of a scene, or the `frames` of a turntable. `edited` are modules whose text is in no file.
-    Write { variant: Box<Variant>, path: PathBuf, frames: Option<u32>, edited: Vec<String> },
-    /// Searches for the fastest settings within an error.
-    Pick { variant: Box<Variant>, bound: ErrorBound },
-}
-
 /// A picture and its measurements.
 #[derive(Default)]
 pub(crate) struct Picture {
@@ -81,19 +72,13 @@ pub(crate) enum Event {
     Made(Vec<[String; 2]>),
     /// Fields without an effect on the picture.
     Ignored(Vec<String>),
-    /// A file was written.
-    Wrote(PathBuf),
     /// Progress of a search.
     Picking(f32),
     /// Result of a search; `None` if it was stopped.
     Picked(Option<Box<Pick>>),
-    /// Finished frames and all frames of a turntable.
-    Recorded(u32, u32),
-    /// A turntable was stopped.
-    Stopped(String),
     /// A program was refused.
     Refused(String),
-    /// A task or a job has failed.
+    /// A search or a job has failed.
     Failed(String),
     /// The device is lost, and the thread ends.
     Lost,

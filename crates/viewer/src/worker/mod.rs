@@ -3,13 +3,13 @@
 mod background_renderer;
 mod handle;
 mod job;
+mod pick;
 mod refine;
 mod render_thread;
 mod renderers;
 mod shared;
-mod task;
 mod validity;
 
 pub(crate) use handle::Worker;
-pub(crate) use job::{Event, Job, Task, Variant};
+pub(crate) use job::{Event, Job, Variant};
 pub(crate) use renderers::sight;

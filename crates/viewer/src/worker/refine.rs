@@ -66,10 +66,8 @@ impl RenderThread {
             if accumulation.validity.is_none() {
                 accumulation.validity = self.examine(job, own)?;
             }
-            accumulation
-                .validity
-                .iter()
-                .for_each(|validity| self.send_validity(job, validity, own, accumulation.gpu_ms));
+            let validity = accumulation.validity.iter();
+            validity.for_each(|validity| self.send_validity(job, validity, own, accumulation.gpu_ms));
         }
         renderers
             .iter_mut()
@@ -166,12 +164,8 @@ impl RenderThread {
                     shown = Instant::now();
                     let of = |other: usize| if other == index { pixels } else { others[other].as_slice() };
                     let frames: Vec<&[[f32; 4]]> = (0..others.len()).map(of).collect();
-                    self.send_picture(
-                        job,
-                        accumulation,
-                        &frames,
-                        Picture::of(job, Stage::Partial, accumulation.gpu_ms),
-                    );
+                    let picture = Picture::of(job, Stage::Partial, accumulation.gpu_ms);
+                    self.send_picture(job, accumulation, &frames, picture);
                 }
             };
             let drawn = self.in_tiles(job, &variant.scene, &mut renderers[index].own, &mut pixels, &mut show)?;
@@ -187,9 +181,8 @@ impl RenderThread {
             }
         }
         accumulation.gpu_ms = gpu_ms;
-        let frames: Vec<&[[f32; 4]]> = all.iter().map(Vec::as_slice).collect();
         let picture = Picture { error: self.own_error, ..Picture::of(job, Stage::Scene, gpu_ms) };
-        self.send_picture(job, accumulation, &frames, picture);
+        self.send_picture(job, accumulation, &all, picture);
         accumulation.own = Some(all);
         Ok(true)
     }
@@ -307,16 +300,11 @@ impl RenderThread {
     fn send_mean(&self, job: &Job, accumulation: &Accumulation, done: bool) {
         let count = accumulation.means[0].count;
         let means: Vec<_> = accumulation.means.iter().map(Mean::pixels).collect();
-        let frames: Vec<&[[f32; 4]]> = means.iter().map(Vec::as_slice).collect();
         let stage = if done { Stage::Converged(count) } else { Stage::Refined(count) };
         let worst = |of: fn(&Mean) -> Option<f64>| accumulation.means.iter().filter_map(of).reduce(f64::max);
         let (error, standard_error) = (worst(Mean::error), worst(Mean::standard_error));
-        self.send_picture(
-            job,
-            accumulation,
-            &frames,
-            Picture { error, standard_error, ..Picture::of(job, stage, accumulation.gpu_ms) },
-        );
+        let picture = Picture { error, standard_error, ..Picture::of(job, stage, accumulation.gpu_ms) };
+        self.send_picture(job, accumulation, &means, picture);
     }
 }
 

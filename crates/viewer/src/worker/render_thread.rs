@@ -14,6 +14,7 @@ use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
 use hypertexture::shader::compile::CompileError;
 use measure::statistics::rms_difference;
+use std::borrow::Borrow;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
@@ -35,6 +36,7 @@ pub(super) struct RenderThread {
 }
 
 /// Accumulated pictures of a resting scene.
+#[derive(Default)]
 pub(super) struct Accumulation {
     pub(super) scenes: Vec<Scene>,
     pub(super) sights: Vec<ViewPose>,
@@ -57,19 +59,7 @@ pub(super) struct Accumulation {
 impl Accumulation {
     fn of(job: &Job, sights: Vec<ViewPose>, coarse: Vec<Vec<[f32; 4]>>, size: [u32; 2]) -> Accumulation {
         let means = vec![Mean::default(); coarse.len()];
-        Accumulation {
-            scenes: scenes(job),
-            sights,
-            coarse,
-            size,
-            level: None,
-            partial: None,
-            own: None,
-            means,
-            gpu_ms: 0.0,
-            reported: false,
-            validity: None,
-        }
+        Accumulation { scenes: scenes(job), sights, coarse, size, means, ..Accumulation::default() }
     }
 
     /// Whether a job differs in the size only.
@@ -110,16 +100,16 @@ impl RenderThread {
         }
     }
 
-    /// Performs tasks and waits for a job; `None` at the end.
+    /// Searches on request, and waits for a job; `None` at the end.
     fn next_job(&mut self) -> Option<Job> {
         loop {
             let mut inbox = self.shared.inbox();
             if self.shared.quits() {
                 return None;
             }
-            if let Some(task) = inbox.tasks.pop_front() {
+            if let Some((variant, bound)) = inbox.search.take() {
                 drop(inbox);
-                let done = self.work(task);
+                let done = self.pick(&variant, bound);
                 if !self.survives(done) {
                     return None;
                 }
@@ -229,13 +219,8 @@ impl RenderThread {
             (accumulation.level, accumulation.gpu_ms) = (Some(level), device);
             self.shared.reported.store(job.number, Ordering::Relaxed);
             let error = self.coarse_error.filter(|(_, of)| *of == level).map(|(error, _)| error);
-            let pictures: Vec<&[[f32; 4]]> = accumulation.coarse.iter().map(Vec::as_slice).collect();
-            self.send_picture(
-                job,
-                &accumulation,
-                &pictures,
-                Picture { size, samples, error, ..Picture::of(job, Stage::Coarse, device) },
-            );
+            let picture = Picture { size, samples, error, ..Picture::of(job, Stage::Coarse, device) };
+            self.send_picture(job, &accumulation, &accumulation.coarse, picture);
             let ms = start.elapsed().as_secs_f64() * 1e3 - compile_ms;
             log::debug!("preview {:?}: {device:.1} ms on the device of {ms:.1} ms", size);
             self.budget.took(first, device, ms - device);
@@ -254,8 +239,7 @@ impl RenderThread {
             resampled(pixels, from, size, place, [0.0; 4])
         });
         let accumulation = Accumulation::of(job, sights.clone(), all.collect(), size);
-        let pictures: Vec<&[[f32; 4]]> = accumulation.coarse.iter().map(Vec::as_slice).collect();
-        self.send_picture(job, &accumulation, &pictures, Picture::of(job, Stage::Partial, 0.0));
+        self.send_picture(job, &accumulation, &accumulation.coarse, Picture::of(job, Stage::Partial, 0.0));
         Ok(accumulation)
     }
 
@@ -263,12 +247,13 @@ impl RenderThread {
         &self,
         job: &Job,
         accumulation: &Accumulation,
-        frames: &[&[[f32; 4]]],
+        frames: &[impl Borrow<[[f32; 4]]>],
         mut picture: Picture,
     ) {
+        let frames: Vec<&[[f32; 4]]> = frames.iter().map(Borrow::borrow).collect();
         let backgrounds: Vec<_> = job.variants.iter().map(|variant| variant.scene.image.background).collect();
-        picture.images = encode_srgb(frames, &backgrounds, picture.size);
-        picture.difference = match frames {
+        picture.images = encode_srgb(&frames, &backgrounds, picture.size);
+        picture.difference = match frames[..] {
             // Partial pictures may be sampled unequally.
             [a, b] if picture.stage != Stage::Partial => Some(rms_difference(a, b)),
             _ => None,

@@ -1,7 +1,7 @@
 //! State that the window and the render thread share.
 
-use super::job::{Job, Task};
-use std::collections::VecDeque;
+use super::job::{Job, Variant};
+use measure::pick::ErrorBound;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard};
 use std::thread;
@@ -20,7 +20,7 @@ pub(super) struct Shared {
     pub(super) newest: AtomicU64,
     /// Whether the thread ends.
     pub(super) quit: AtomicBool,
-    /// Whether a turntable or a search stops.
+    /// Whether the search stops.
     pub(super) stop: AtomicBool,
     /// The jobs of the last reported preview, and of the last shown picture.
     pub(super) reported: AtomicU64,
@@ -30,7 +30,7 @@ pub(super) struct Shared {
 #[derive(Default)]
 pub(super) struct Inbox {
     pub(super) job: Option<Job>,
-    pub(super) tasks: VecDeque<Task>,
+    pub(super) search: Option<(Variant, ErrorBound)>,
 }
 
 impl Shared {

@@ -1,0 +1,27 @@
+//! The job of the window that renders final pictures.
+
+use super::args::{Arguments, Command};
+use super::render::render;
+use clap::Parser;
+use hypertexture::gpu::Options;
+use hypertexture::render::variant::Variant;
+use hypertexture::{scene, shader};
+use std::error::Error;
+use std::io;
+use support::jobs::Parent;
+use viewer::RenderJob;
+
+/// Renders the pictures of a request, with modules whose text may be in no file.
+pub fn serve(mut parent: Parent, options: &Options) -> io::Result<()> {
+    parent.give_way();
+    let Some(job) = parent.request()? else { return Ok(()) };
+    parent.tell(&render_job(job, options).map_err(|error| error.to_string()), &[])
+}
+
+fn render_job(job: RenderJob, options: &Options) -> Result<(), Box<dyn Error>> {
+    let Command::Render(command) = Arguments::try_parse_from(job.command)?.command else { return Ok(()) };
+    let scene = scene::parse(&job.scene, "scene")?;
+    let library = shader::shipped_with(job.changed).compiled_by(&std::env::current_exe()?);
+    let (variant, base) = (Variant::of(&scene, &library)?, scene::nearest_preset(&scene));
+    render(&command, options, true, (variant, base, library))
+}
