@@ -1,7 +1,8 @@
 //! Textured triangles, drawn into the swapchain of a window.
 
+use super::bind_set::{BindSet, Binding, BindingKind, Resource};
 use super::commands::Commands;
-use super::pipeline::{BindSet, Binding, BindingKind, Blend, Marks, Pipeline, PipelineDescription, Resource};
+use super::pipeline::{Blend, Marks, Pipeline, PipelineDescription};
 use super::sampler::{Address, Sampler};
 use super::surface::Surface;
 use super::window::WindowHandle;

@@ -12,6 +12,7 @@
 
 #![allow(unsafe_code)]
 
+mod bind_set;
 mod buffer;
 #[cfg(feature = "window")]
 mod canvas;
@@ -37,6 +38,7 @@ mod validation_tests;
 mod window;
 
 pub use ash;
+pub use bind_set::{BindSet, Binding, BindingKind, Resource};
 pub use buffer::{Buffer, BufferUse};
 #[cfg(feature = "window")]
 pub use canvas::{Batch, Canvas, CanvasTexture, Presented, Vertex};
@@ -49,7 +51,7 @@ pub use host::{HostCommands, HostDevice, HostTarget, Recording};
 pub use image::{Dimension, Image, ImageUse, Uploads};
 pub use messages::Messages;
 pub use physical::{DeviceInfo, optional_features, required_features};
-pub use pipeline::{BindSet, Binding, BindingKind, Blend, Marks, Pipeline, PipelineDescription, Resource};
+pub use pipeline::{Blend, Marks, Pipeline, PipelineDescription};
 pub use sampler::{Address, Sampler};
 pub use submit::Submitted;
 

@@ -1,34 +1,8 @@
-//! Graphics pipelines, with layouts of the bindings that their programs use.
+//! Pipelines, with layouts of the bindings that their programs use.
 
-use super::{Buffer, Format, Gpu, GpuError, Image, Named, Sampler};
+use super::bind_set::{BindSet, Binding, BindingKind, Resource, layout_binding};
+use super::{Format, Gpu, GpuError, Named};
 use ash::vk;
-use std::sync::Arc;
-
-/// A binding of a program, in set 0.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Binding {
-    /// Binding number.
-    pub index: u32,
-    /// Kind of resource.
-    pub kind: BindingKind,
-    /// Whether the vertex stage reads it.
-    pub vertex: bool,
-    /// Whether the fragment stage reads it.
-    pub fragment: bool,
-}
-
-/// Kind of resource of a binding.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BindingKind {
-    /// A uniform block.
-    Uniform,
-    /// An image; the program combines it with a sampler.
-    Image,
-    /// A sampler.
-    Sampler,
-    /// An image that a compute shader writes.
-    Storage,
-}
 
 /// Blending of premultiplied colors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -95,14 +69,8 @@ impl Pipeline {
         let fragment = Module::new(gpu, description.fragment)?;
         let (entries, values): (Vec<_>, Vec<u8>) = specialization(description.constants);
         let constants = vk::SpecializationInfo::default().map_entries(&entries).data(&values);
-        let stage = |stage, module: &Module| {
-            vk::PipelineShaderStageCreateInfo::default()
-                .stage(stage)
-                .module(module.handle)
-                .name(c"main")
-                .specialization_info(&constants)
-        };
-        let stages = [stage(vk::ShaderStageFlags::VERTEX, &vertex), stage(vk::ShaderStageFlags::FRAGMENT, &fragment)];
+        let flags = [vk::ShaderStageFlags::VERTEX, vk::ShaderStageFlags::FRAGMENT];
+        let stages = [stage(flags[0], &vertex, &constants), stage(flags[1], &fragment, &constants)];
         pipeline.handle = compile(gpu, description, &stages, pipeline.layout)?;
         Ok(pipeline)
     }
@@ -122,11 +90,7 @@ impl Pipeline {
         let module = Module::new(gpu, code)?;
         let (entries, values) = specialization(constants);
         let constants = vk::SpecializationInfo::default().map_entries(&entries).data(&values);
-        let stage = vk::PipelineShaderStageCreateInfo::default()
-            .stage(vk::ShaderStageFlags::COMPUTE)
-            .module(module.handle)
-            .name(c"main")
-            .specialization_info(&constants);
+        let stage = stage(vk::ShaderStageFlags::COMPUTE, &module, &constants);
         let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(pipeline.layout)];
         // SAFETY: every handle belongs to the device and every pointer outlives the call.
         let pipelines = unsafe { gpu.0.device.create_compute_pipelines(gpu.0.pipeline_cache.handle, &info, None) };
@@ -173,30 +137,7 @@ impl Pipeline {
     /// # Panics
     /// If a binding of the pipeline has no resource of its kind.
     pub fn bind(&self, resources: &[(u32, Resource)]) -> Result<BindSet, GpuError> {
-        let device = &self.gpu.0.device;
-        let sizes: Vec<_> = self
-            .bindings
-            .iter()
-            .map(|binding| vk::DescriptorPoolSize { ty: binding.kind.vk(), descriptor_count: 1 })
-            .collect();
-        let info = vk::DescriptorPoolCreateInfo::default().max_sets(1).pool_sizes(&sizes);
-        // SAFETY: the device is alive; the new handle is owned before anything can fail.
-        let pool = unsafe { device.create_descriptor_pool(&info, None) }.named("vkCreateDescriptorPool")?;
-        let mut set = BindSet { gpu: self.gpu.clone(), pool, handle: vk::DescriptorSet::null(), bound: Vec::new() };
-        let layouts = [self.set_layout];
-        let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
-        // SAFETY: pool and layout belong to the device, and the pool has room for one set of this layout.
-        let allocated = unsafe { device.allocate_descriptor_sets(&info) }.named("vkAllocateDescriptorSets")?;
-        set.handle = allocated[0];
-        for binding in &self.bindings {
-            let (_, resource) = resources
-                .iter()
-                .find(|(index, resource)| *index == binding.index && resource.kind() == binding.kind)
-                .unwrap_or_else(|| panic!("binding {} has no resource of kind {:?}", binding.index, binding.kind));
-            set.write(binding, resource);
-            set.bound.push(resource.clone());
-        }
-        Ok(set)
+        BindSet::new(&self.gpu, self.set_layout, &self.bindings, resources)
     }
 }
 
@@ -211,83 +152,13 @@ impl Drop for Pipeline {
     }
 }
 
-/// A resource for a binding.
-#[derive(Clone)]
-pub enum Resource {
-    /// A uniform block.
-    Uniform(Arc<Buffer>),
-    /// A sampled image.
-    Image(Arc<Image>),
-    /// A sampler.
-    Sampler(Arc<Sampler>),
-    /// An image that a compute shader writes.
-    Storage(Arc<Image>),
-}
-
-impl Resource {
-    fn kind(&self) -> BindingKind {
-        match self {
-            Resource::Uniform(_) => BindingKind::Uniform,
-            Resource::Image(_) => BindingKind::Image,
-            Resource::Sampler(_) => BindingKind::Sampler,
-            Resource::Storage(_) => BindingKind::Storage,
-        }
-    }
-}
-
-/// A descriptor set, which keeps its resources alive.
-pub struct BindSet {
-    gpu: Gpu,
-    pool: vk::DescriptorPool,
-    pub(super) handle: vk::DescriptorSet,
-    bound: Vec<Resource>,
-}
-
-impl BindSet {
-    fn write(&self, binding: &Binding, resource: &Resource) {
-        let write = vk::WriteDescriptorSet::default().dst_set(self.handle).dst_binding(binding.index);
-        let write = write.descriptor_type(binding.kind.vk());
-        let mut image = [vk::DescriptorImageInfo::default()];
-        let mut buffer = [vk::DescriptorBufferInfo::default()];
-        let write = match resource {
-            Resource::Uniform(uniform) => {
-                buffer[0] = buffer[0].buffer(uniform.handle).range(vk::WHOLE_SIZE);
-                write.buffer_info(&buffer)
-            }
-            Resource::Image(sampled) => {
-                image[0] = image[0].image_view(sampled.view).image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
-                write.image_info(&image)
-            }
-            Resource::Storage(stored) => {
-                image[0] = image[0].image_view(stored.view).image_layout(vk::ImageLayout::GENERAL);
-                write.image_info(&image)
-            }
-            Resource::Sampler(sampler) => {
-                image[0] = image[0].sampler(sampler.handle);
-                write.image_info(&image)
-            }
-        };
-        // SAFETY: the set is unused, and its resources belong to the device and are kept alive by the set.
-        unsafe { self.gpu.0.device.update_descriptor_sets(&[write], &[]) };
-    }
-}
-
-impl Drop for BindSet {
-    fn drop(&mut self) {
-        // SAFETY: submissions with the set have finished; the pool frees the set.
-        self.gpu.free(|device| unsafe { device.destroy_descriptor_pool(self.pool, None) });
-    }
-}
-
-impl BindingKind {
-    fn vk(self) -> vk::DescriptorType {
-        match self {
-            BindingKind::Uniform => vk::DescriptorType::UNIFORM_BUFFER,
-            BindingKind::Image => vk::DescriptorType::SAMPLED_IMAGE,
-            BindingKind::Sampler => vk::DescriptorType::SAMPLER,
-            BindingKind::Storage => vk::DescriptorType::STORAGE_IMAGE,
-        }
-    }
+fn stage<'a>(
+    stage: vk::ShaderStageFlags,
+    module: &Module,
+    constants: &'a vk::SpecializationInfo<'a>,
+) -> vk::PipelineShaderStageCreateInfo<'a> {
+    let info = vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module.handle);
+    info.name(c"main").specialization_info(constants)
 }
 
 fn specialization(constants: &[(u32, u32)]) -> (Vec<vk::SpecializationMapEntry>, Vec<u8>) {
@@ -296,25 +167,6 @@ fn specialization(constants: &[(u32, u32)]) -> (Vec<vk::SpecializationMapEntry>,
     };
     let values = constants.iter().flat_map(|(_, value)| value.to_ne_bytes());
     (constants.iter().enumerate().map(entry).collect(), values.collect())
-}
-
-fn layout_binding(binding: &Binding, is_compute: bool) -> vk::DescriptorSetLayoutBinding<'static> {
-    let mut stages = vk::ShaderStageFlags::empty();
-    if is_compute {
-        stages = vk::ShaderStageFlags::COMPUTE;
-    } else {
-        if binding.vertex {
-            stages |= vk::ShaderStageFlags::VERTEX;
-        }
-        if binding.fragment {
-            stages |= vk::ShaderStageFlags::FRAGMENT;
-        }
-    }
-    vk::DescriptorSetLayoutBinding::default()
-        .binding(binding.index)
-        .descriptor_type(binding.kind.vk())
-        .descriptor_count(1)
-        .stage_flags(stages)
 }
 
 fn check(gpu: &Gpu, description: &PipelineDescription<'_>) -> Result<(), GpuError> {
