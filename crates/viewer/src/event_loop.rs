@@ -231,7 +231,7 @@ impl EventHandler {
 
     /// Drops everything on the device and returns the window.
     fn close(&mut self) -> Option<Arc<Window>> {
-        self.app.leave_device();
+        self.app.worker = None;
         self.state.take().map(|state| state.window)
     }
 

@@ -38,7 +38,8 @@ impl Key {
 pub(super) struct Loader {
     kept: Vec<(Key, Arc<Subject>)>,
     loading: Option<Loading>,
-    failed: Option<Key>,
+    /// The object that failed or was cancelled, which is not tried again.
+    pub(super) failed: Option<Key>,
 }
 
 /// An object that is being loaded.
@@ -126,11 +127,6 @@ impl Loader {
     /// Cancels the load.
     pub(super) fn cancel(&mut self) {
         self.failed = self.loading.take().map(|loading| loading.key);
-    }
-
-    /// Permits another attempt at an object that failed or was cancelled.
-    pub(super) fn retry(&mut self) {
-        self.failed = None;
     }
 }
 

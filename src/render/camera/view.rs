@@ -115,16 +115,6 @@ impl ObjectView {
         corners.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), corner| (low.min(corner), high.max(corner)))
     }
 
-    /// Box around the soft region, object space of the scene.
-    fn soft_box(&self) -> (Vec3, Vec3) {
-        self.around(self.own_min, self.own_max)
-    }
-
-    /// Box around the unwarped soft region, object space of the scene.
-    fn unwarped_box(&self) -> (Vec3, Vec3) {
-        self.around(-self.half_size, self.half_size)
-    }
-
     /// Upper bound of the distance from a point to any matter, object space of the scene.
     fn farthest(&self, from: Vec3) -> f32 {
         self.center.distance(from) + self.scale * self.own_radius
@@ -193,9 +183,9 @@ impl View {
                 &variant.parts[name],
             ));
         }
-        let (box_min, box_max) = box_of(scene, &objects, ObjectView::soft_box);
-        // The target of the camera does not move with drips.
-        let (core_min, core_max) = box_of(scene, &objects, ObjectView::unwarped_box);
+        let (box_min, box_max) = box_of(scene, &objects, |own| own.around(own.own_min, own.own_max));
+        // The target of the camera does not move with drips: warps do not widen this box.
+        let (core_min, core_max) = box_of(scene, &objects, |own| own.around(-own.half_size, own.half_size));
         let center = 0.5 * (core_min + core_max);
         let ball = |from: Vec3| whole(scene, &objects, |own| own.farthest(from), f32::min, f32::max);
         // Half of the visible size; `soft` is the share of the soft regions in it.

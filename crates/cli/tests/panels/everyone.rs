@@ -200,12 +200,12 @@ fn of_a_small_window_the_picture_keeps_most_and_panels_hide() {
     hand.0.run_steps(4);
     let left = hand.0.state().left;
     assert!(left.area() > 0.5 * 500.0 * 400.0, "{left:?}");
-    hand.0.state_mut().panels.hide(true);
+    hand.0.state_mut().panels.hidden = true;
     hand.0.run_steps(2);
     let left = hand.0.state().left;
     assert!(left.width() > 480.0 && left.area() > 0.85 * 500.0 * 400.0, "{left:?}");
     assert!(!has(&hand, "undo"));
-    hand.0.state_mut().panels.hide(false);
+    hand.0.state_mut().panels.hidden = false;
     hand.0.run_steps(2);
     assert!(has(&hand, "undo"));
 }

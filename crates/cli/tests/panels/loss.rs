@@ -19,7 +19,7 @@ fn a_long_broken_text_is_typed_whole_while_errors_come_and_go() {
     hand.act("author.text", egui::accesskit::Action::Focus, None);
     hand.0.key_press_modifiers(egui::Modifiers::COMMAND, Key::End);
     hand.0.run_steps(1);
-    let before = hand.0.state_mut().panels.author().text.clone();
+    let before = hand.0.state_mut().panels.author.text.clone();
     let typed = "\nfloat x = ; for (int i = 0; i < 9; i++) { fhsztv }\nfloat whole() { return 1.0; }\n";
     let mut verdicts = [0, 0];
     for (index, letter) in typed.chars().enumerate() {
@@ -33,16 +33,16 @@ fn a_long_broken_text_is_typed_whole_while_errors_come_and_go() {
             let start = Instant::now();
             sleep(Duration::from_millis(150));
             hand.0.run_steps(2);
-            while *hand.0.state_mut().panels.author().state() == State::Compiling {
+            while *hand.0.state_mut().panels.author.state() == State::Compiling {
                 assert!(start.elapsed() < Duration::from_secs(600)); // a test that fails ends
                 sleep(Duration::from_millis(10));
                 hand.0.run_steps(1);
             }
-            verdicts[usize::from(matches!(hand.0.state_mut().panels.author().state(), State::Bad(_)))] += 1;
+            verdicts[usize::from(matches!(hand.0.state_mut().panels.author.state(), State::Bad(_)))] += 1;
         }
     }
     assert!(verdicts[0] > 0 && verdicts[1] > 0, "good and bad: {verdicts:?}");
-    assert_eq!(hand.0.state_mut().panels.author().text, format!("{before}{typed}"));
+    assert_eq!(hand.0.state_mut().panels.author.text, format!("{before}{typed}"));
     assert_eq!(hand.0.state().requests, [], "no letter was a shortcut");
 }
 
@@ -122,7 +122,7 @@ fn what_was_kept_is_offered_and_comes_back_and_opened_files_are_remembered() {
     hand.picture("kept");
     hand.click("kept.open");
     assert_eq!(hand.scene(), scene);
-    assert_eq!(hand.0.state_mut().panels.author().text, own);
+    assert_eq!(hand.0.state_mut().panels.author.text, own);
     assert!(hand.0.query_by_label("kept.open").is_none() && kept.join("scene.toml").exists());
     // The next window lists the file.
     let mut next = Hand::new(preset("fur").unwrap());
@@ -135,7 +135,7 @@ fn what_was_kept_is_offered_and_comes_back_and_opened_files_are_remembered() {
 #[test]
 fn a_text_that_no_file_holds_is_unsaved_work_too() {
     let mut hand = Hand::new(preset("fur").unwrap());
-    hand.0.state_mut().panels.author().text.push_str("// mine\n");
+    hand.0.state_mut().panels.author.text.push_str("// mine\n");
     hand.click("quit");
     assert_eq!(hand.0.state().requests, []);
     hand.click("ask.yes");
@@ -191,7 +191,7 @@ fn a_file_is_followed_while_the_editor_is_closed_and_its_end_is_said() {
     hand.0.run_steps(60);
     assert!(rests(&hand) > WATCH);
     let desk = hand.0.state_mut();
-    desk.panels.author().watch(desk.model.library(), &file).unwrap();
+    desk.panels.author.watch(desk.model.library(), &file).unwrap();
     let has =
         |text: String| move |hand: &mut Hand| hand.model().library().source("dmf/half_of.glsl") == Some(text.as_str());
     wait(&mut hand, has(text("0.5")));

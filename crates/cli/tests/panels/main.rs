@@ -491,44 +491,44 @@ fn presets_files_and_requests() {
 fn m52_what_is_typed_is_compiled_and_declared_parameters_become_sliders() {
     let mut hand = Hand::new(preset("fur").unwrap());
     hand.click("author");
-    let old = hand.0.state_mut().panels.author().text.clone();
+    let old = hand.0.state_mut().panels.author.text.clone();
     let wait = |hand: &mut Hand, done: &dyn Fn(&mut Panels) -> bool| {
         let start = Instant::now();
         while !done(&mut hand.0.state_mut().panels) {
             // Timeout, generous for busy machines.
-            assert!(start.elapsed() < Duration::from_secs(1800), "{:?}", hand.0.state_mut().panels.author().state());
+            assert!(start.elapsed() < Duration::from_secs(1800), "{:?}", hand.0.state_mut().panels.author.state());
             hand.0.run_steps(1);
             sleep(Duration::from_millis(10));
         }
         hand.0.run_steps(2);
     };
-    let is_good = |panels: &mut Panels| *panels.author().state() == State::Good;
+    let is_good = |panels: &mut Panels| *panels.author.state() == State::Good;
     hand.act("author.text", Action::Focus, None);
     hand.0.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Home);
     hand.0.event(Event::Text("// @param zest = 0.5 in [0, 2]: New.\n".into()));
     hand.0.run_steps(2);
-    wait(&mut hand, &|panels| *panels.author().state() != State::Good);
+    wait(&mut hand, &|panels| *panels.author.state() != State::Good);
     wait(&mut hand, &is_good);
     hand.set("parameters.zest", 1.5);
     assert_eq!(hand.scene().parameters["zest"], ParameterValue::Number(1.5));
     hand.act("author.text", Action::Focus, None);
     hand.0.event(Event::Text("float qq = tangled;\n".into()));
     hand.0.run_steps(2);
-    let faults = |panels: &mut Panels| match panels.author().state() {
+    let faults = |panels: &mut Panels| match panels.author.state() {
         State::Bad(faults) => faults.clone(),
         _ => Vec::new(),
     };
     wait(&mut hand, &|panels| !faults(panels).is_empty());
     let first = faults(&mut hand.0.state_mut().panels).remove(0);
     let (path, line) = first.at.unwrap();
-    let text = hand.0.state_mut().panels.author().text.clone();
+    let text = hand.0.state_mut().panels.author.text.clone();
     assert_eq!((path.as_str(), text.lines().nth(line - 1)), ("dmf/fur.glsl", Some("float qq = tangled;")));
     let shown = format!("{path}:{line}: {}", first.text);
     assert!(hand.0.query_all_by_value(&shown).next().is_some(), "{shown}");
     assert!(hand.0.query_by_label("parameters.zest").is_some(), "the last good text stays");
     hand.picture("editor");
     hand.click("author.reset");
-    wait(&mut hand, &|panels| faults(panels).is_empty() && panels.author().text == old);
+    wait(&mut hand, &|panels| faults(panels).is_empty() && panels.author.text == old);
     wait(&mut hand, &is_good);
     assert!(hand.0.query_by_label("parameters.zest").is_none() && !hand.scene().parameters.contains_key("zest"));
 }

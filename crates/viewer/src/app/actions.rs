@@ -57,8 +57,8 @@ impl App {
             Action::Leave => self.panels.ask(Question::Quit),
             Action::Save => self.panels.save(&mut self.model),
             Action::Open => self.panels.choose_file(),
-            Action::Panels => self.panels.hide(!self.panels.is_hidden()),
-            Action::Controls => self.panels.hide(false),
+            Action::Panels => self.panels.hidden ^= true,
+            Action::Controls => self.panels.hidden = false,
             Action::Withheld => self.note("the text field has the keys: press Esc or click the picture to leave it"),
         }
     }
@@ -144,10 +144,10 @@ impl App {
 
     /// Opens a mesh, a scan or a scene file as the scene, or a module in the editor.
     pub(crate) fn open(&mut self, path: &Path) {
-        self.loader.retry();
+        self.loader.failed = None;
         if path.extension().is_some_and(|end| end == "glsl") {
-            match self.panels.author().watch(self.model.library(), path) {
-                Ok(()) => self.panels.show_author(true),
+            match self.panels.author.watch(self.model.library(), path) {
+                Ok(()) => self.panels.author_is_open = true,
                 Err(reason) => self.fail(reason),
             }
         } else {

@@ -40,11 +40,6 @@ impl App {
         }
     }
 
-    /// Whether the report on the pixel is complete.
-    pub(crate) fn is_inspected(&self) -> bool {
-        self.inspector.is_done()
-    }
-
     /// Shows the inspector.
     pub(super) fn inspect(&mut self, ui: &Ui) {
         let job = self.jobs.submitted.as_ref().filter(|_| self.loader.progress().is_none());

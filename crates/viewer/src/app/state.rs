@@ -60,7 +60,7 @@ pub(crate) struct App {
     pub(crate) model: Model,
     pub(super) panels: Panels,
     pub(super) library: Arc<Library>,
-    pub(super) worker: Option<Worker>,
+    pub(crate) worker: Option<Worker>,
     pub(super) loader: Loader,
     pub(super) notify: Notify,
     pub(super) screen: Screen,
@@ -70,7 +70,7 @@ pub(crate) struct App {
     pub(super) navigation: Navigation,
     pub(super) time: Time,
     pub(super) comparison: Compared,
-    pub(super) inspector: Inspector,
+    pub(crate) inspector: Inspector,
     /// Error target of the pictures.
     pub(super) max_error: Option<f64>,
     /// Whether pixels are colored by their validity.
@@ -207,7 +207,7 @@ impl App {
         if let Some((slot, name, file)) =
             modules.iter().find_map(|(module, file)| module.split_once('/').map(|(slot, name)| (slot, name, file)))
         {
-            let followed = panels.author().follow(model.library(), slot, name, Path::new(file));
+            let followed = panels.author.follow(model.library(), slot, name, Path::new(file));
             followed.unwrap_or_else(|error| log::warn!("{error}"));
         }
         let (now, camera) = (Instant::now(), model.scene().camera.clone());
@@ -248,16 +248,11 @@ impl App {
         let info = gpu.info();
         self.figures.device = format!("{} ({})", info.name, info.driver);
         (self.figures.is_cpu, self.figures.budget_ms) = (info.cpu, BUDGET_MS[usize::from(!info.cpu)]);
-        let gate = self.panels.author().gate().clone();
+        let gate = self.panels.author.gate().clone();
         gate.try_on(&info.name);
         self.worker = Some(Worker::start(gpu.clone(), gate, self.figures.budget_ms, self.notify.clone()));
         self.screen.forget();
         (self.jobs.submitted, self.lost, self.figures.picking) = (None, false, None);
-    }
-
-    /// Drops everything that holds the device.
-    pub(crate) fn leave_device(&mut self) {
-        self.worker = None;
     }
 
     /// Skips the time since the last frame.
@@ -267,12 +262,12 @@ impl App {
 
     /// Notes unsaved work.
     pub(crate) fn note_unsaved(&mut self, latest: &Latest) {
-        latest.note(&self.model, self.panels.author());
+        latest.note(&self.model, &self.panels.author);
     }
 
     /// The edited module.
     pub(crate) fn author(&mut self) -> &mut Author {
-        self.panels.author()
+        &mut self.panels.author
     }
 
     /// The title of the window: the scene, after a dot if there is unsaved work.
@@ -295,7 +290,7 @@ impl App {
 
     /// Whether neither a search runs nor a final picture is rendered.
     pub(crate) fn is_idle(&self) -> bool {
-        self.figures.picking.is_none() && !self.panels.finals.is_running()
+        self.figures.picking.is_none() && self.panels.finals.running.is_none()
     }
 
     /// Name and progress of the object that is being loaded.

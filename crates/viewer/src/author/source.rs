@@ -295,7 +295,8 @@ impl Author {
             }
             Some(Ok(())) => {
                 let path = self.path();
-                let library = model.library().clone().with_module(&self.slot, &self.name, &self.sent());
+                let text = self.tried.as_deref().unwrap_or_default();
+                let library = model.library().clone().with_module(&self.slot, &self.name, text);
                 match model.set_library(library) {
                     Ok(()) => self.state = State::Good,
                     Err(error) => self.state = State::Bad(Fault::all(&format!("{path}: {error}"))),
@@ -325,10 +326,6 @@ impl Author {
     /// Notes that the text was edited.
     pub fn touch(&mut self) {
         self.changed = Instant::now();
-    }
-
-    fn sent(&self) -> String {
-        self.tried.clone().unwrap_or_default()
     }
 
     fn look(&mut self) {

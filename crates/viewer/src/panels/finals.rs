@@ -35,7 +35,7 @@ pub(crate) struct Finals {
     supersampling: u32,
     max_error: Option<f64>,
     motion: Motion,
-    running: Option<Rendering>,
+    pub(crate) running: Option<Rendering>,
     waiting: VecDeque<Order>,
     outcome: Option<Message>,
     /// First files of all orders.
@@ -86,11 +86,6 @@ impl Finals {
     /// Whether a picture replaces a file that this window did not write.
     pub(super) fn replaces(&self, path: &Path) -> bool {
         path.exists() && !self.own.contains(path)
-    }
-
-    /// Whether an order is in progress.
-    pub(crate) fn is_running(&self) -> bool {
-        self.running.is_some()
     }
 
     /// Finished frames and all frames of the running order, if that is a sequence.

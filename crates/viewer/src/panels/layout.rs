@@ -33,9 +33,10 @@ pub struct Panels {
     bookmarks: bookmarks::Bookmarks,
     /// Paths of the scene file and of the picture.
     paths: [String; 2],
-    author: Author,
+    /// The edited module.
+    pub author: Author,
     editor: editor::Editor,
-    author_is_open: bool,
+    pub(crate) author_is_open: bool,
     /// Whether the editor was open in the last pass.
     author_was_open: bool,
     /// Whether advanced settings are shown.
@@ -43,7 +44,7 @@ pub struct Panels {
     /// Whether presets bring their own object and view.
     with_own: bool,
     /// Whether the panels are hidden.
-    hidden: bool,
+    pub hidden: bool,
     /// The chosen width of the panel, and its limit in the last pass.
     width: f32,
     most: f32,
@@ -80,16 +81,6 @@ impl Panels {
             most: 0.0,
             theme: theme::Chosen::default(),
         })
-    }
-
-    /// The edited module.
-    pub fn author(&mut self) -> &mut Author {
-        &mut self.author
-    }
-
-    /// Opens or closes the editor.
-    pub fn show_author(&mut self, open: bool) {
-        self.author_is_open = open;
     }
 
     /// Offers unsaved work of earlier windows, and reads recent files, bookmarks and theme from a folder of the
@@ -137,16 +128,6 @@ impl Panels {
     /// Whether there is unsaved work.
     pub fn is_unsaved(&self, model: &Model) -> bool {
         model.is_dirty() || !unsaved::texts(model, &self.author).is_empty()
-    }
-
-    /// Hides or shows the panels.
-    pub fn hide(&mut self, hidden: bool) {
-        self.hidden = hidden;
-    }
-
-    /// Whether the panels are hidden.
-    pub fn is_hidden(&self) -> bool {
-        self.hidden
     }
 
     /// Shows the panels; the remaining area of `ui` is for the picture. Called once per frame.

@@ -57,11 +57,6 @@ const WORDS: [(&str, &str); 8] = [
     ("quality.early_termination", "opacity cut-off"),
 ];
 
-/// Whether a setting is a basic one.
-pub(super) fn is_basic(setting: &Setting) -> bool {
-    BASIC.contains(&setting.name)
-}
-
 /// The controls of a table, in the order of the schema; `prefix` is that of an additional object.
 pub(super) fn table(ui: &mut Ui, pass: &mut Pass<'_>, prefix: &str, table: &str) {
     let own = SETTINGS.iter().filter(|setting| setting.table() == table);
@@ -81,7 +76,7 @@ pub(super) fn show_some(ui: &mut Ui, pass: &mut Pass<'_>, prefix: &str, name: &s
 }
 
 fn control(ui: &mut Ui, pass: &mut Pass<'_>, prefix: &str, setting: &Setting, offered: &dyn Fn(u32) -> bool) {
-    if (pass.advanced || is_basic(setting)) && setting.name != MADE {
+    if (pass.advanced || BASIC.contains(&setting.name)) && setting.name != MADE {
         let name = format!("{prefix}{}", setting.name);
         pass.dimmed(ui, &name, |ui, pass| rows(ui, pass, prefix, setting, offered));
     }

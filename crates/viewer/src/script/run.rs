@@ -86,7 +86,7 @@ impl Script {
             Step::Picture => app.is_current() && !matches!(stage, Stage::None | Stage::Coarse | Stage::Partial),
             Step::Converged => app.is_current() && matches!(stage, Stage::Converged(_)),
             Step::Validity => app.is_current() && stage == Stage::Validity,
-            Step::Inspected => app.is_inspected(),
+            Step::Inspected => app.inspector.is_done(),
             Step::Loading => app.loading().is_some(),
             Step::Frames(count) => self.frames > *count,
             Step::Good => self.frames > 1 && *app.author().state() == State::Good,
