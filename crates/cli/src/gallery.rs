@@ -39,20 +39,6 @@ pub(super) struct GalleryArguments {
     pub object: ObjectFlags,
 }
 
-/// Errors of the gallery.
-#[derive(Debug, thiserror::Error)]
-pub enum GalleryError {
-    /// A scene is not valid.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
-    /// A picture cannot be made.
-    #[error(transparent)]
-    Render(#[from] RenderError),
-    /// A file cannot be written.
-    #[error(transparent)]
-    Output(#[from] OutputError),
-}
-
 /// Voxels along the longest side of the field. Lower frays thin parts, such as the lip of the teapot.
 const RESOLUTION: u32 = 256;
 
@@ -148,12 +134,12 @@ pub fn write(
     start: &Start,
     folder: &Path,
     progress: Progress<'_>,
-) -> Result<Gallery, GalleryError> {
+) -> Result<Gallery, Box<dyn Error>> {
     let io = |path: &Path| {
         let path = path.display().to_string();
         move |source| OutputError::Write { path, source }
     };
-    let scenes = checked(library, scenes).map_err(RenderError::from)?;
+    let scenes = checked(library, scenes)?;
     let mut objects = objects(&scenes);
     let mut failures = Vec::new();
     let mut groups: [(&str, String); 3] = GROUPS.map(|title| (title, String::new()));

@@ -1,7 +1,7 @@
 //! Search for the facts about a pixel.
 
 use crate::background::{Background, Notify};
-use hypertexture::render::variant::Variant as Program;
+use hypertexture::render::variant::{Variant as Program, slot_of};
 use hypertexture::render::{Along, Subject, density_along};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
@@ -163,9 +163,6 @@ fn modules_of(scene: &Scene, library: &Library) -> Vec<[String; 2]> {
     let Ok(program) = Program::of(scene, library) else { return Vec::new() };
     let slots: Vec<&str> =
         scene.effect.modules().iter().map(|(slot, _)| *slot).chain(["object", "dmf", "warp"]).collect();
-    let is_matter = |key: &str| slots.contains(&key.rsplit('.').next().unwrap_or_default());
-    let key = program.key();
-    let filled = key.split(' ').filter_map(|filled| filled.split_once('='));
-    let filled = filled.filter(|(slot, names)| is_matter(slot) && !names.is_empty());
-    filled.map(|(slot, names)| [slot.to_string(), names.replace('+', " + ")]).collect()
+    let filled = program.slots.iter().filter(|(key, names)| slots.contains(&slot_of(key)) && !names.is_empty());
+    filled.map(|(key, names)| [key.clone(), names.join(" + ")]).collect()
 }

@@ -45,10 +45,7 @@ impl Inspector {
             self.ray(ui);
             modules(ui, &self.report);
         });
-        match open {
-            true => self.look_at(Some(next)),
-            false => self.look_at(None),
-        }
+        self.look_at(open.then_some(next));
     }
 
     /// The values of the pixel, its reference and its error.

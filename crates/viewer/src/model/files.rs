@@ -5,6 +5,7 @@ use crate::message::Message;
 use hypertexture::output::{OutputError, read_provenance};
 use hypertexture::scene::{self, Reach, Scene, SceneError};
 use hypertexture::shader::Library;
+use measure::guard::edited;
 use std::path::Path;
 use support::{open, write_whole};
 
@@ -67,7 +68,7 @@ impl Model {
             Ok(()) => {
                 self.written.insert(path.into(), text);
                 (self.saved, self.file) = (self.scene.clone(), Some(path.into()));
-                let edited = self.edited();
+                let edited = edited(&self.scene, &self.library).unwrap_or_default();
                 let missing = if edited.is_empty() {
                     String::new()
                 } else {

@@ -4,7 +4,6 @@ use crate::message::Message;
 use hypertexture::scene::{self, Camera, ParameterValue, Parameters, Part, Scene, SceneError, schema};
 use hypertexture::shader::ParameterKind;
 use hypertexture::shader::{Library, Slots};
-use measure::guard;
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 
@@ -105,11 +104,6 @@ impl Model {
         if self.scene.modules.get(module).is_none_or(|known| known != file) {
             self.scene.modules.insert(module.into(), file.into());
         }
-    }
-
-    /// The modules in use whose text differs from the shipped one and from that of the scene's files.
-    pub fn edited(&self) -> Vec<String> {
-        guard::edited(&self.scene, &self.library).unwrap_or_default()
     }
 
     /// Whether the scene has unsaved changes.
