@@ -4,7 +4,7 @@
 //! an OpenEXR file. Invariant: of the machine it reveals only the device and the paths of inputs as typed.
 
 use crate::render::Measurements;
-use crate::scene::{self, Reach, Scene, SceneError};
+use crate::scene::{self, Reach, Scene, SceneError, ShaderStage};
 use crate::shape::{BUILT_IN, MEMORY};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -31,7 +31,7 @@ pub struct Provenance {
     pub modules: String,
     /// BLAKE3 hash of `scene`.
     pub scene_hash: String,
-    /// The scene, complete with defaults, as a scene file.
+    /// The scene, complete with defaults, as a scene file; `quality.stage` is not recorded.
     pub scene: String,
     /// BLAKE3 hashes of the input files by their path in the scene, and of detached data files; for a folder, the hash of its
     /// files.
@@ -92,7 +92,9 @@ impl Provenance {
                 inputs.insert(input.clone(), hash.map_err(missing)?);
             }
         }
-        let text = scene::to_text(scene);
+        let mut drawn = scene.clone();
+        drawn.quality.stage = ShaderStage::default(); // a choice for a machine: all stages draw one picture
+        let text = scene::to_text(&drawn);
         let scene_hash = blake3::hash(text.as_bytes()).to_string();
         let (program, device, modules) = (PROGRAM.into(), device.into(), measured.modules.clone());
         Ok(Provenance { program, device, modules, scene_hash, scene: text, inputs })
@@ -211,6 +213,8 @@ mod tests {
         assert_eq!(read, whole);
         assert_eq!(read.scene(Path::new("x.png"), Reach::Anywhere).unwrap(), scene);
         assert_eq!(read.inputs[&scene.object.input], blake3::hash(b"v 0 0 0").to_string());
+        scene.quality.stage = ShaderStage::Compute;
+        assert_eq!(Provenance::of(&scene, "a \"device\"", &Measurements::default()).unwrap(), whole);
     }
 
     #[test]
