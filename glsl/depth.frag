@@ -4,7 +4,8 @@
 // Result: depth along the axis of view, object units; infinite where the opacity stays below 1/2.
 #include "interface.glsl"
 #include "vector.glsl"
-layout(location = 0) out float fragment;
+#define TEXEL r32f
+#include "trace.glsl"
 vec3 position_eye;                      // eye space
 float half_depth = uintBitsToFloat(0x7F800000u);
 
@@ -23,5 +24,3 @@ float ray_meets(float opacity_before, float alpha, float k) {
 #define ENDS sum.a >= 0.5
 #define GIVES half_depth
 #include "march.glsl"
-
-void main() { march(); }

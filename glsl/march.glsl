@@ -14,7 +14,6 @@ mat3 ray_basis;                         // along the ray and to two sides, unit 
 #include <empty_space>
 #include <cells>
 #include "box_intersection.glsl"
-#include "pixel.glsl"
 
 // Goes to a sample by its number; result: where it is, object space.
 vec3 sample_at(vec2 ndc, float k) {
@@ -22,7 +21,7 @@ vec3 sample_at(vec2 ndc, float k) {
     return (texture_matrix * vec4(position_eye, 1.0)).xyz;
 }
 
-void march() {
+void trace() {
     vec2 ndc = pixel_center * picture_scale.xy - 1.0 + picture_scale.zw;
     vec3 from = (texture_matrix * vec4(ray_at(ndc, 0.0), 1.0)).xyz;
     vec3 along = mat3(texture_matrix) * (ray_at(ndc, 1.0) - ray_at(ndc, 0.0));
@@ -89,5 +88,5 @@ void march() {
         if (ENDS) break;
     }
 #endif
-    fragment = GIVES;
+    fragment = vec4(GIVES);
 }

@@ -8,7 +8,8 @@
 #include "interface.glsl"
 #include "vector.glsl"
 #include "index_point.glsl"
-layout(location = 0) out vec4 fragment;
+#define NEIGHBORS
+#include "trace.glsl"
 vec3 position_eye;                      // eye space
 const bool follows = false;             // no sample of the ray was taken before this one
 vec4 color = vec4(1.0);
@@ -116,8 +117,22 @@ bool gone(vec3 x, vec3 along) {
     return any(greaterThan(side * along, vec3(0.0)));
 }
 
-void main() {
-    vec2 ndc = gl_FragCoord.xy * picture_scale.xy - 1.0 + picture_scale.zw;
+// How much a direction differs most from those of the pixels beside it, in a quad.
+#ifdef COMPUTE
+shared vec3 directions[64];
+float spread_of(vec3 along) {
+    uint own = gl_LocalInvocationIndex;
+    directions[own] = along;
+    barrier();
+    vec3 across = directions[own | 1u] - directions[own & ~1u], down = directions[own | 8u] - directions[own & ~8u];
+    return max(length(across), length(down));
+}
+#else
+float spread_of(vec3 along) { return max(length(dFdx(along)), length(dFdy(along))); }
+#endif
+
+void trace() {
+    vec2 ndc = pixel_center * picture_scale.xy - 1.0 + picture_scale.zw;
     vec3 center_eye = object_matrix[3].xyz;
     vec3 per_depth = ray_at(ndc, 1.0) - ray_at(ndc, 0.0);
     vec2 inside = intersect_box((texture_matrix * vec4(ray_at(ndc, 0.0), 1.0)).xyz, mat3(texture_matrix) * per_depth);
@@ -193,7 +208,7 @@ void main() {
             travel -= found;
         }
     }
-    float spread = max(length(dFdx(ray.along)), length(dFdy(ray.along)));   // of a straight ray too, beside one that bends
+    float spread = spread_of(ray.along);    // of a straight ray too, beside one that bends
     add_environment(rest, ray.bent, ray.along, straight ? pixel_angle() : max(spread, pixel_angle()));
     fragment = sum;
 }

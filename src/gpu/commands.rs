@@ -8,7 +8,7 @@ use std::ops::Range;
 const MAX_VERTICES: u32 = 3072;
 
 /// Pixels along a side of a group of compute shader invocations: see `glsl/pixel.glsl`.
-const GROUP_SIDE: u32 = 8;
+pub(super) const GROUP_SIDE: u32 = 8;
 
 /// A render target.
 #[derive(Clone, Copy)]

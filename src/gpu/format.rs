@@ -31,6 +31,9 @@ pub enum Format {
 }
 
 impl Format {
+    /// Formats of images that compute shaders write.
+    pub(super) const STORED: [Format; 2] = [Format::R32Float, Format::Rgba32Float];
+
     /// Bytes of one texel.
     pub fn bytes(self) -> u64 {
         match self {

@@ -43,9 +43,11 @@ impl Gpu {
         let mut info = device_info(&host.instance, host.physical_device, &host.features);
         // SAFETY: the physical device belongs to the instance, as the caller says.
         let families = unsafe { host.instance.get_physical_device_queue_family_properties(host.physical_device) };
-        if families.get(host.queue_family as usize).is_none_or(|family| family.timestamp_valid_bits == 0) {
+        let family = families.get(host.queue_family as usize).copied().unwrap_or_default();
+        if family.timestamp_valid_bits == 0 {
             info.timestamp_period = 0.0;
         }
+        info.computes &= family.queue_flags.contains(vk::QueueFlags::COMPUTE);
         let instance = Instance::of_host(host.entry, host.instance);
         let device = Device { raw: host.device, hosted: true };
         let HostDevice { physical_device: physical, queue, queue_family: family, .. } = host;

@@ -97,9 +97,8 @@ impl Image {
             ImageUse::SampledTarget => (vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::SAMPLED, 1),
             ImageUse::Target(1) => {
                 let drawn = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::SAMPLED;
-                // Every device supports storage images of this format.
-                let stored =
-                    if format == Format::Rgba32Float { vk::ImageUsageFlags::STORAGE } else { Default::default() };
+                let is_stored = gpu.info().computes && Format::STORED.contains(&format);
+                let stored = if is_stored { vk::ImageUsageFlags::STORAGE } else { Default::default() };
                 (drawn | stored | vk::ImageUsageFlags::TRANSFER_SRC, 1)
             }
             ImageUse::Depth => (vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT, 1),

@@ -1,6 +1,7 @@
 //! Choice of the physical device, its properties and features.
 
-use super::{GpuError, Named};
+use super::commands::GROUP_SIDE;
+use super::{Format, GpuError, Named};
 use ash::vk;
 use std::ffi::c_char;
 
@@ -24,6 +25,8 @@ pub struct DeviceInfo {
     pub max_anisotropy: f32,
     /// Whether each sample of a multisampled image can be shaded.
     pub sample_shading: bool,
+    /// Whether compute shaders trace rays: in groups of 8 x 8, into images of 32-bit floats.
+    pub computes: bool,
     /// Whether the device counts fragment shader invocations.
     pub counts_fragments: bool,
     /// Nanoseconds per timestamp tick; 0 where the queue has no timestamps.
@@ -101,8 +104,14 @@ pub(super) fn choose(
                 vk::PhysicalDeviceType::VIRTUAL_GPU => 2,
                 _ => 3,
             };
+            let computes = device_info.computes && queues[family].queue_flags.contains(vk::QueueFlags::COMPUTE);
             let period = if queues[family].timestamp_valid_bits == 0 { 0.0 } else { device_info.timestamp_period };
-            fitting.push((rank, physical, family as u32, DeviceInfo { timestamp_period: period, ..device_info }));
+            fitting.push((
+                rank,
+                physical,
+                family as u32,
+                DeviceInfo { timestamp_period: period, computes, ..device_info },
+            ));
         }
     }
     let best = fitting.into_iter().min_by_key(|candidate| candidate.0);
@@ -149,7 +158,40 @@ pub(super) fn device_info(
             1.0
         },
         sample_shading: enabled.sample_rate_shading == vk::TRUE,
+        computes: computes(&properties.limits, |format| {
+            // SAFETY: the physical device belongs to the instance.
+            unsafe { instance.get_physical_device_format_properties(physical, format) }.optimal_tiling_features
+        }),
         counts_fragments: enabled.pipeline_statistics_query == vk::TRUE,
         timestamp_period: properties.limits.timestamp_period,
+    }
+}
+
+/// Whether the limits and format features of a device serve compute shaders of rays. Vulkan 1.3 asks for them.
+fn computes(limits: &vk::PhysicalDeviceLimits, features: impl Fn(vk::Format) -> vk::FormatFeatureFlags) -> bool {
+    let [x, y, _] = limits.max_compute_work_group_size;
+    let has_groups = x.min(y) >= GROUP_SIDE && limits.max_compute_work_group_invocations >= GROUP_SIDE * GROUP_SIDE;
+    let is_stored = |format: &Format| features(format.vk()).contains(vk::FormatFeatureFlags::STORAGE_IMAGE);
+    has_groups && Format::STORED.iter().all(is_stored)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_groups_or_images_that_store_nothing_leave_rays_to_fragment_shaders() {
+        let limits = |invocations, size| vk::PhysicalDeviceLimits {
+            max_compute_work_group_invocations: invocations,
+            max_compute_work_group_size: size,
+            ..Default::default()
+        };
+        let (least, all) = (limits(128, [128, 128, 64]), vk::FormatFeatureFlags::STORAGE_IMAGE); // of Vulkan 1.3
+        assert!(computes(&least, |_| all));
+        assert!(!computes(&limits(63, [128; 3]), |_| all) && !computes(&limits(128, [64, 4, 1]), |_| all));
+        let lacking = |missing| move |format| if format == missing { vk::FormatFeatureFlags::default() } else { all };
+        for format in Format::STORED {
+            assert!(!computes(&least, lacking(format.vk())), "{format:?}");
+        }
     }
 }

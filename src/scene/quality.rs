@@ -82,7 +82,7 @@ choices! {
         Auto = "auto",
         /// Fragment shaders.
         Fragment = "fragment",
-        /// Compute shaders: straight rays, one sample per pixel, a target of 32-bit floats; fragment shaders draw the rest.
+        /// Compute shaders: rays, one sample per pixel, a target of 32-bit floats; fragment shaders draw the rest.
         Compute = "compute",
     }
 }

@@ -308,7 +308,7 @@ fn each_drawn(library: &Library, mut on: impl FnMut(&str, &str, &Slots, &str)) {
     each(library, &mut on);
     let [march, light] = ["march.frag", "light.frag"].map(|file| {
         let text = library.source(file).unwrap();
-        let text = ["ray.glsl", "march.glsl"].into_iter().fold(text.to_string(), |text, file| {
+        let text = ["trace.glsl", "march.glsl"].into_iter().fold(text.to_string(), |text, file| {
             text.replace(&format!("#include \"{file}\"\n"), library.source(file).unwrap())
         });
         text.replace("vec3 position_eye;", "#include \"hash.glsl\"\nPOINT\nvec3 position_eye;")

@@ -189,7 +189,7 @@ fn notes(picture: &Picture<'_>, frame: &Frame) -> Vec<(&'static str, String)> {
     let m = &frame.measurements;
     let mut notes: Vec<_> = coarse(variant, subject).map(|text| ("voxels", text)).into_iter().collect();
     notes.extend(octaves_held(m, variant, library).map(|text| ("octaves", text)));
-    notes.extend(warnings(m, variant, subject).into_iter().map(|text| ("note", text)));
+    notes.extend(warnings(m, variant, subject, library).into_iter().map(|text| ("note", text)));
     notes
 }
 

@@ -51,6 +51,9 @@ pub(super) fn compiled(text: &Text<'_>, include: &Include<'_>) -> Result<Vec<u32
         let (resolved_name, content) = include(name, kind == shaderc::IncludeType::Standard)?;
         Ok(shaderc::ResolvedInclude { resolved_name, content })
     });
+    if text.stage == Stage::Compute {
+        options.add_macro_definition("COMPUTE", None);
+    }
     let kind = match text.stage {
         Stage::Vertex => shaderc::ShaderKind::Vertex,
         Stage::Fragment => shaderc::ShaderKind::Fragment,

@@ -69,7 +69,7 @@ impl Linker {
             let line = text.split('\0').next().unwrap_or_default().lines().count().max(1);
             return Err(LinkError::Compile(format!("{path}:{line}: error: a NUL byte, which GLSL does not have")));
         }
-        let text = library.source(entry).ok_or_else(|| LibraryError::Unknown {
+        let text = library.source(entry.trim_end_matches("#compute")).ok_or_else(|| LibraryError::Unknown {
             slot: "entry".into(),
             name: entry.into(),
             known: "slice.vert, slice.frag".into(),

@@ -13,7 +13,7 @@ use crate::render::camera::FrameContext;
 use crate::render::error::RenderError;
 use crate::render::inputs::{ImageInfo, Values};
 use crate::render::variant::{Variant, VariantError};
-use crate::scene::Pass;
+use crate::scene::{Pass, RayPath, Scene};
 use crate::shader::Library;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -196,14 +196,23 @@ impl EmptyCells {
         Ok(self.image.clone())
     }
 
-    /// Tiles of the picture's slices, within some areas.
-    pub(crate) fn tiles(&self, frame: &FrameContext, within: &[Area]) -> Tiles {
-        match &self.key {
-            Some((_, boxes)) if self.serve && !self.empty.is_empty() => {
-                slice_tiles::tiles(frame, boxes, &self.empty, within)
-            }
-            _ => Tiles::everywhere(within),
+    /// The cells, if some are known to be empty.
+    fn known(&self) -> Option<(&CellGrid, &[bool])> {
+        let (_, boxes) = self.key.as_ref().filter(|_| self.serve && !self.empty.is_empty())?;
+        Some((boxes, &self.empty))
+    }
+}
+
+/// Tiles of a picture, within some areas: where its slices, or straight rays, meet cells that may hold matter. The box around
+/// the soft region is one cell for rays without cells; bent rays meet matter beside their pixels.
+pub(crate) fn tiles(cells: Option<&EmptyCells>, frame: &FrameContext, within: &[Area]) -> Tiles {
+    let Scene { effect, quality, .. } = &frame.variant.scene;
+    match cells.and_then(EmptyCells::known) {
+        Some((boxes, empty)) if quality.msaa == 1 => slice_tiles::tiles(frame, boxes, empty, within),
+        None if quality.msaa == 1 && quality.pass == Pass::March && effect.ray_path == RayPath::Straight => {
+            slice_tiles::tiles(frame, &CellGrid::of(frame, 1), &[false], within)
         }
+        _ => Tiles::everywhere(within),
     }
 }
 

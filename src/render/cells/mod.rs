@@ -11,7 +11,7 @@ mod time_span;
 pub(crate) use background::BackgroundCells;
 pub use bounded_noise::{LOOKED_UP, bounded};
 pub use grid::{CellStats, link};
-pub(crate) use grid::{EmptyCells, image};
+pub(crate) use grid::{EmptyCells, image, tiles};
 pub(crate) use tiles::Tiles;
 
 #[cfg(test)]

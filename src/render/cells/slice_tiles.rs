@@ -1,12 +1,12 @@
-//! Tiles in which slices meet cells that may hold matter.
+//! Tiles in which slices or rays meet cells that may hold matter.
 //!
-//! Invariant: a slice has no matter outside its tiles.
+//! Invariant: a slice, or a ray, has no matter outside its tiles.
 
 use super::prover::CellGrid;
 use super::tiles::{SIDE, Tiles};
 use crate::gpu::Area;
 use crate::render::camera::FrameContext;
-use crate::scene::Order;
+use crate::scene::{Order, Pass};
 use glam::{Mat4, Vec2, Vec3};
 use std::ops::Range;
 
@@ -18,10 +18,14 @@ const MARGIN: f32 = 1.5;
 /// that look back add one.
 const REACH: f32 = 0.75;
 
-/// Tiles in which cells that may hold matter meet the slices of a picture, within some areas.
+/// Tiles in which cells that may hold matter meet the slices of a picture, or its straight rays, within some areas. Rays take
+/// samples where the slices are, and all of them are one group.
 pub(super) fn tiles(frame: &FrameContext, boxes: &CellGrid, empty: &[bool], within: &[Area]) -> Tiles {
     let (planes, side) = (&frame.planes, boxes.side);
-    let alike = (planes.count / (GROUPS * side)).max(1);
+    let alike = match frame.variant.scene.quality.pass {
+        Pass::Slices => (planes.count / (GROUPS * side)).max(1),
+        Pass::March => planes.count.max(1),
+    };
     let [columns, rows] = frame.variant.scene.image.size.map(|side| side.div_ceil(SIDE) as usize);
     let mut marks = vec![vec![false; columns * rows]; planes.count.div_ceil(alike) as usize];
     let seen = Seen::of(frame);

@@ -318,13 +318,14 @@ fn m61_cells_that_are_called_empty_hold_no_matter() {
 }
 
 #[test]
-fn m61_slices_have_tiles_where_cells_may_hold_matter_and_few_elsewhere() {
+fn m61_slices_and_rays_have_tiles_where_cells_may_hold_matter_and_few_elsewhere() {
     let library = shader::shipped();
     let mut random = SplitMix(39);
-    let changes: [fn(&mut Scene); 4] = [
+    let changes: [fn(&mut Scene); 5] = [
         |_| (),
         |scene| scene.quality.order = Order::BackToFront,
         |scene| scene.camera.projection = Projection::Parallel,
+        |scene| scene.quality.pass = Pass::March,
         |scene| (scene.camera.zoom, scene.camera.pan) = (4.0, [0.3, -0.2]),
     ];
     for change in changes {

@@ -1,4 +1,4 @@
-//! Areas of the picture in which each slice is drawn.
+//! Areas of the picture in which each slice, or all rays, are drawn.
 //!
 //! Invariant: the areas of a slice do not overlap, so that clipping to them changes no bit of its pixels.
 
@@ -36,6 +36,11 @@ impl Tiles {
             let run = first.max(slices.start)..first.saturating_add(self.alike).min(slices.end);
             (!run.is_empty()).then_some((run, &areas[..]))
         })
+    }
+
+    /// Areas in which rays may meet matter.
+    pub(crate) fn of_rays(&self) -> &[Area] {
+        self.areas.first().map_or(&[], Vec::as_slice)
     }
 
     /// Pixels drawn by a range of slices.

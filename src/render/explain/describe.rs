@@ -32,7 +32,7 @@ pub fn describe_frame(m: &Measurements, variant: &Variant, subject: &Subject, li
     lines.extend(zero.map(|names| line("left out", format!("terms of parameters that are 0: {names}"))));
     lines.extend(octaves_held(m, variant, library).map(|text| line("octaves", text)));
     lines.extend(m.cells.as_ref().map(|cells| line("cells", cells.to_string())));
-    lines.extend(warnings(m, variant, subject).into_iter().map(|text| line("note", text)));
+    lines.extend(warnings(m, variant, subject, library).into_iter().map(|text| line("note", text)));
     lines.push(line("memory", format!("{:.1} MiB of images on the device", mib(m.device_bytes))));
     lines
 }

@@ -3,7 +3,8 @@
 use crate::render::measurements::Measurements;
 use crate::render::subject::Subject;
 use crate::render::variant::Variant;
-use crate::scene::{Pass, RayPath, Scene, ShaderStage, TargetFormat};
+use crate::scene::{Pass, Scene, ShaderStage, TargetFormat};
+use crate::shader::Library;
 use crate::shape::{self, Shape, Solid};
 
 /// Invisible opacity: half a code of 8 bits.
@@ -14,7 +15,7 @@ const CORE: f32 = 0.75;
 const TERRACE: f32 = 0.016;
 
 /// Warnings on a picture, one line each.
-pub fn warnings(m: &Measurements, variant: &Variant, subject: &Subject) -> Vec<String> {
+pub fn warnings(m: &Measurements, variant: &Variant, subject: &Subject, library: &Library) -> Vec<String> {
     let scene = &variant.scene;
     let is_soft = variant.slots.get("softness").is_some_and(|names| names.iter().all(|name| name != "hard"));
     let outer = variant.parameters.outer_iso().unwrap_or(scene.object.outer_iso);
@@ -22,7 +23,7 @@ pub fn warnings(m: &Measurements, variant: &Variant, subject: &Subject) -> Vec<S
         is_soft.then(|| no_width(scene, outer)).flatten(),
         is_soft.then(|| no_core(scene, outer, subject)).flatten(),
         lost_in_target(m, scene),
-        not_computed(m, scene),
+        not_computed(m, variant, library),
         terraces(m, subject),
         thin_shell(scene, subject),
         guessed_sign(scene, subject),
@@ -61,16 +62,10 @@ fn no_core(scene: &Scene, outer: f32, subject: &Subject) -> Option<String> {
 }
 
 /// Rays were to be traced by a compute shader, which cannot trace them.
-fn not_computed(m: &Measurements, scene: &Scene) -> Option<String> {
-    let why = match &scene.quality {
-        quality if quality.stage != ShaderStage::Compute || m.is_compute => return None,
-        _ if cfg!(not(feature = "glsl")) => "this build links no programs (feature `glsl`)",
-        quality if quality.pass == Pass::Slices => "slices are blended",
-        quality if quality.msaa > 1 => "quality.msaa shades samples of a pixel",
-        quality if quality.target != TargetFormat::Float32 => "it stores quality.target = float32",
-        _ if scene.effect.ray_path == RayPath::Refracted => "bent rays compare their directions with their neighbors'",
-        _ => "a module reads gl_FragCoord or derivatives, or samples by `texture`",
-    };
+fn not_computed(m: &Measurements, variant: &Variant, library: &Library) -> Option<String> {
+    let is_missed = variant.scene.quality.stage == ShaderStage::Compute && !m.is_compute;
+    let why = is_missed.then(|| variant.in_compute(library).err())?;
+    let why = why.unwrap_or("the device lacks groups of 8 x 8 invocations or images to store 32-bit floats in".into());
     Some(format!("quality.stage = compute: fragment shaders drew the picture, since {why}"))
 }
 

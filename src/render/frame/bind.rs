@@ -132,9 +132,9 @@ impl BoundInputs {
         self.cells.as_ref().is_none_or(|cells| cells.are_decided(gpu, frame))
     }
 
-    /// Tiles of the picture's slices, within some areas.
+    /// Tiles of the picture, within some areas.
     pub(crate) fn tiles(&self, frame: &FrameContext, within: &[gpu::Area]) -> Tiles {
-        self.cells.as_ref().map_or_else(|| Tiles::everywhere(within), |cells| cells.tiles(frame, within))
+        cells::tiles(self.cells.as_ref(), frame, within)
     }
 
     /// Whether the next recorded picture has cells, and the empty share of the latest.
@@ -256,9 +256,10 @@ pub(crate) fn pipeline(
 pub(super) fn bind_rays(
     (program, pipeline): (&Program, &gpu::Pipeline),
     mut resources: Vec<(u32, gpu::Resource)>,
-    target: &Arc<Image>,
+    target: Option<&Arc<Image>>,
 ) -> Result<gpu::BindSet, gpu::GpuError> {
-    resources.extend(program.is_compute.then(|| (PICTURE_BINDING, gpu::Resource::Storage(target.clone()))));
+    let target = target.filter(|_| program.is_compute);
+    resources.extend(target.map(|target| (PICTURE_BINDING, gpu::Resource::Storage(target.clone()))));
     pipeline.bind(&resources)
 }
 

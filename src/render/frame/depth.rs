@@ -66,10 +66,15 @@ impl Depth {
         Ok(Depth { program, pipeline: Arc::new(pipeline), budget: SubmissionBudget::default() })
     }
 
-    /// Binds the images and latest values of the picture.
-    pub(crate) fn bind(&self, gpu: &Gpu, bound: &BoundInputs) -> Result<BindSet, RenderError> {
+    /// Binds the images and latest values of the picture, and the target of a compute shader.
+    pub(crate) fn bind(
+        &self,
+        gpu: &Gpu,
+        bound: &BoundInputs,
+        target: Option<&Arc<Image>>,
+    ) -> Result<BindSet, RenderError> {
         let blocks = bind::buffers(gpu, &bound.blocks_of(&self.program)?)?;
-        Ok(self.pipeline.bind(&bound.with(&blocks))?)
+        Ok(bind::bind_rays((&self.program, &self.pipeline), bound.with(&blocks), target)?)
     }
 
     /// Draws the depth, object units, row by row from the top. `stop` receives the milliseconds on the device.
@@ -82,8 +87,8 @@ impl Depth {
     ) -> Result<Vec<f32>, RenderError> {
         let [width, height] = frame.variant.scene.image.size;
         let plane = Dimension::Plane(width, height);
-        let image = Image::new(gpu, "depth", plane, Format::R32Float, ImageUse::Target(1))?;
-        let (set, all) = (self.bind(gpu, bound)?, [Area::whole([width, height])]);
+        let image = Arc::new(Image::new(gpu, "depth", plane, Format::R32Float, ImageUse::Target(1))?);
+        let (set, all) = (self.bind(gpu, bound, Some(&image))?, [Area::whole([width, height])]);
         let mut control = SubmissionControl { budget: &mut self.budget, stop };
         pass::march(gpu, &self.pipeline, &set, (&all[..], frame.planes.count), Target::of(&image), &mut control)?;
         Ok(image.read()?.into_iter().map(|[depth, ..]| depth).collect())

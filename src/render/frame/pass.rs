@@ -116,8 +116,8 @@ impl PassTiming {
 }
 
 /// Marches a ray of `samples` through each pixel of the areas, one area after the other, in submissions within the
-/// budget. The quads of the areas must not overlap. Other pixels are undefined afterwards; those of an area do not
-/// depend on the other areas. Whole quads are drawn: bent rays read their neighbors' directions, which lavapipe (Mesa
+/// budget. The quads of the areas must not overlap. Other pixels are 0 afterwards; those of an area do not depend on the
+/// other areas. Whole quads are drawn: bent rays read their neighbors' directions, which lavapipe (Mesa
 /// 25) does not compute outside a scissor.
 ///
 /// # Errors
@@ -135,14 +135,18 @@ pub fn march(
         true => PassTiming::begin(gpu, pipeline, set, None, into)?,
         false => PassTiming { fragments: Some(0), ..Default::default() },
     };
+    drawn.fragments = drawn.fragments.filter(|_| !pipeline.is_compute());
     let mut load = Load::Clear([0.0; 4]);
     let mut left: VecDeque<Area> = areas.iter().map(Area::quads).collect();
     let samples = f64::from(samples.max(1));
-    while !left.is_empty() {
+    while load != Load::Keep || !left.is_empty() {
         control.check(drawn.gpu_ms)?;
         let taken = take(&mut left, (control.budget.samples() / samples) as u64);
         let cost = gpu.submit("rays", |commands| {
             if pipeline.is_compute() {
+                if load != Load::Keep {
+                    commands.render(into, load, |_| ());
+                }
                 return commands.dispatch(pipeline, set, into.color, &taken);
             }
             commands.render(into, load, |draw| {
@@ -153,7 +157,9 @@ pub fn march(
             });
         })?;
         drawn.add(&cost);
-        control.budget.took(taken.iter().map(Area::pixels).sum::<u64>() as f64 * samples, cost.gpu_ms);
+        if !taken.is_empty() {
+            control.budget.took(taken.iter().map(Area::pixels).sum::<u64>() as f64 * samples, cost.gpu_ms);
+        }
         load = Load::Keep;
     }
     if target.resolved.is_some() {

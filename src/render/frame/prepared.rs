@@ -261,7 +261,8 @@ impl Prepared {
         let pipeline = &self.pipelines.picture;
         let set = pipeline.bind(&self.bound.resources())?;
         let depth = self.pipelines.depth.as_ref().filter(|_| commands.has_depth());
-        let depth = depth.map(|own| Ok::<_, RenderError>((own.pipeline.clone(), own.bind(&self.gpu, &self.bound)?)));
+        let depth =
+            depth.map(|own| Ok::<_, RenderError>((own.pipeline.clone(), own.bind(&self.gpu, &self.bound, None)?)));
         Ok(commands.draw(&self.bound.uploads, pipeline, set, vertices, 0..count, depth.transpose()?))
     }
 
@@ -329,6 +330,7 @@ impl Prepared {
             let before = drawn.gpu_ms + shadow_ms.unwrap_or(0.0);
             let stop = |ms: f64| stop(before + ms);
             let mut control = SubmissionControl { budget: &mut self.pipelines.budget, stop: &stop };
+            let tiles = self.bound.tiles(&frame, areas);
             drawn.append(&match (&slices, &self.pipelines.half_angle) {
                 (Some((vertices, stack)), Some(light)) => {
                     let slices = Slices { pipeline, program: &self.program, bound: &self.bound, vertices, stack };
@@ -340,13 +342,12 @@ impl Prepared {
                         Some(marks) => marks.between(gpu, &self.bound, color, stack.slices)?,
                         None => pass::BetweenSlices::Nothing,
                     };
-                    let tiles = self.bound.tiles(&frame, areas);
                     let places = (areas, &tiles);
                     pass::draw(gpu, pipeline, [&set; 2], vertices, stack, places, target, &between, &mut control)?
                 }
                 (None, _) => {
-                    let set = bind::bind_rays((&self.program, pipeline), self.bound.resources(), color)?;
-                    pass::march(gpu, pipeline, &set, (areas, frame.planes.count), target, &mut control)?
+                    let set = bind::bind_rays((&self.program, pipeline), self.bound.resources(), Some(color))?;
+                    pass::march(gpu, pipeline, &set, (tiles.of_rays(), frame.planes.count), target, &mut control)?
                 }
             });
             let texels = resolved.as_ref().unwrap_or(color).read_areas(areas)?;

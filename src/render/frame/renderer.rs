@@ -189,7 +189,7 @@ impl Renderer {
             let prelude: Option<Prelude<'_>> = if is_open { Some(&mut choose) } else { None };
             let prepared = self.prepared(&variant, Destination::Frame, &|_| ())?;
             let frame = prepared.frame(&variant, &subject, areas, wanted, prelude, &*stop);
-            match frame.map_err(|error| with_module_cause(error, &self.library, &variant, &subject))? {
+            match frame.map_err(|error| with_module_cause(error, &self.library, &self.plain(&own), &subject))? {
                 Some(frame) => break frame,
                 None => self.cut_short.push((variant.slots.clone(), variant.scene.quality.samples)),
             }
@@ -227,8 +227,8 @@ impl Renderer {
         let own = scene.checked(&self.library)?;
         let plain = self.plain(&own);
         let way = match own.scene.quality.stage {
-            ShaderStage::Fragment => None,
-            ShaderStage::Compute => plain.in_compute(&self.library),
+            ShaderStage::Compute if self.gpu.info().computes => plain.in_compute(&self.library).ok(),
+            ShaderStage::Fragment | ShaderStage::Compute => None,
             ShaderStage::Auto if self.is_cut(&own) => None,
             ShaderStage::Auto => self.ways.applied(&own, &self.library),
         };

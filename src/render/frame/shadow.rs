@@ -117,9 +117,7 @@ impl ShadowCaster {
         variant: &Variant,
         made: Option<ShadowCaster>,
     ) -> Result<ShadowCaster, RenderError> {
-        let own = variant.for_purpose(Purpose::Shadow, library)?;
-        let compute = if variant.is_compute() { own.in_compute(library) } else { None };
-        let program = compute.unwrap_or(own).program(library, Linker::new)?;
+        let program = variant.for_purpose(Purpose::Shadow, library)?.program(library, Linker::new)?;
         if let Some(made) = made.filter(|made| made.program == program) {
             return Ok(made);
         }
@@ -180,7 +178,7 @@ impl ShadowCaster {
         let plane = Dimension::Plane(width, height);
         let color = Arc::new(Image::new(gpu, "shadow segments", plane, SEGMENTS, ImageUse::Target(1))?);
         let blocks = bind::buffers(gpu, &bound.blocks_of(&self.program)?)?;
-        let set = bind::bind_rays((&self.program, &self.pipeline), bound.with(&blocks), &color)?;
+        let set = bind::bind_rays((&self.program, &self.pipeline), bound.with(&blocks), Some(&color))?;
         let target = gpu::Target::of(&color);
         let all = [gpu::Area::whole([width, height])];
         let mut control = SubmissionControl { budget: &mut self.budget, stop };

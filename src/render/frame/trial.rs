@@ -55,7 +55,7 @@ impl Way {
     /// The variant of a scene that draws in this way, if it can.
     fn applied(self, scene: &Variant, library: &Library) -> Option<Variant> {
         let direct = if self.is_direct { scene.without_two_phase() } else { scene.clone() };
-        let own = if self.is_compute { direct.in_compute(library)? } else { direct };
+        let own = if self.is_compute { direct.in_compute(library).ok()? } else { direct };
         (Way::of(&own) == self).then_some(own)
     }
 
@@ -130,7 +130,9 @@ impl Prepared {
         stop: &dyn Fn(f64) -> bool,
     ) -> Result<Way, RenderError> {
         let present = Way::of(&self.variant);
-        let ways = Way::ALL.into_iter().filter(|way| *way != present && !(way.is_compute && self.gpu.info().cpu));
+        let ways = Way::ALL
+            .into_iter()
+            .filter(|way| *way != present && !(way.is_compute && (self.gpu.info().cpu || !self.gpu.info().computes)));
         let others = ways.filter_map(|way| way.applied(scene, library));
         let (mut fastest, mut limit) = (None, f64::INFINITY);
         for other in others {
@@ -164,7 +166,7 @@ impl Prepared {
         stop: &dyn Fn(f64) -> bool,
     ) -> Result<f64, RenderError> {
         let Some((color, _)) = &self.targets else { return Ok(f64::INFINITY) };
-        let set = bind_rays((program, pipeline), self.bound.resources(), color)?;
+        let set = bind_rays((program, pipeline), self.bound.resources(), Some(color))?;
         let [width, height, _] = color.size();
         let rows = (0..height.div_ceil(8)).step_by(PART as usize).map(|row| 8 * row..(8 * row + 8).min(height));
         let areas: Vec<Area> = rows.map(|rows| Area { columns: 0..width, rows }).collect();

@@ -6,7 +6,7 @@ use spirq::ty::{DescriptorType, Type};
 use spirq::var::Variable;
 use std::collections::{BTreeSet, HashMap};
 
-/// Binding of the picture that a compute shader writes: see `glsl/march.comp`.
+/// Binding of the picture that a compute shader writes: see `glsl/trace.glsl`.
 pub(crate) const PICTURE_BINDING: u32 = 61;
 /// Push constants of a compute shader: see `glsl/pixel.glsl`.
 const AREA_BLOCK: &str = "Area";

@@ -13,8 +13,13 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::iter;
 
-/// Entry files of fragment shaders, and of compute shaders that give the same bits.
-const COMPUTE_ENTRIES: [(&str, &str); 2] = [("march.frag", "march.comp"), ("shadow.frag", "shadow.comp")];
+/// Entries of rays: fragment shaders, and compute shaders that give the same bits.
+const COMPUTE_ENTRIES: [(&str, &str); 4] = [
+    ("march.frag", "march.frag#compute"),
+    ("refract.frag", "refract.frag#compute"),
+    ("depth.frag", "depth.frag#compute"),
+    ("shadow.frag", "shadow.frag#compute"),
+];
 /// Parts of GLSL that fragment shaders alone have.
 const FRAGMENT_ONLY: [&str; 4] = ["gl_Frag", "dFd", "fwidth", "texture("];
 /// Replacements, in programs of shadows and depth, of modules that color and light matter.
@@ -145,19 +150,32 @@ impl Variant {
         self.slots.iter().any(|(key, names)| slot_of(key) == "warp" && !names.is_empty())
     }
 
-    /// The variant whose rays, of the eye or of the light, are traced by a compute shader. `None` for slices, bent rays, several samples per pixel, a
-    /// target other than of 32-bit floats, custom modules with GLSL that fragment shaders alone have, and without the
-    /// feature `glsl`.
-    pub(crate) fn in_compute(&self, library: &Library) -> Option<Variant> {
+    /// The variant whose rays, of the eye or of the light, are traced by a compute shader.
+    ///
+    /// # Errors
+    /// The reason why only a fragment shader traces them.
+    pub(crate) fn in_compute(&self, library: &Library) -> Result<Variant, String> {
         let ([vertex, entry], quality) = (self.entries, &self.scene.quality);
-        let has_storage = quality.target == TargetFormat::Float32 && quality.msaa == 1;
-        let is_fragment = |(path, text): (&String, &String)| {
-            self.reaches(library, path) && FRAGMENT_ONLY.iter().any(|part| text.contains(part))
-        };
         // Compute shaders are linked where they are used.
-        let runs = cfg!(feature = "glsl") && has_storage && !crate::shader::changed(library).iter().any(is_fragment);
-        let (_, compute) = COMPUTE_ENTRIES.iter().find(|(fragment, _)| runs && *fragment == entry)?;
-        Some(Variant { entries: [vertex, compute], ..self.clone() })
+        let has_compiler = cfg!(feature = "glsl");
+        let compute = COMPUTE_ENTRIES.iter().find(|(fragment, _)| *fragment == entry);
+        let why = match compute {
+            _ if !has_compiler => "this build links no programs (feature `glsl`)".into(),
+            None => "slices are blended".into(),
+            _ if quality.msaa > 1 => "quality.msaa shades samples of a pixel".into(),
+            _ if quality.target != TargetFormat::Float32 => "it stores quality.target = float32".into(),
+            Some((_, compute)) => {
+                let foreign = |(path, text): &(String, String)| {
+                    let part = FRAGMENT_ONLY.into_iter().find(|part| text.contains(part));
+                    part.filter(|_| self.reaches(library, path)).map(|part| format!("{path} has `{part}`"))
+                };
+                match crate::shader::changed(library).into_iter().find_map(|file| foreign(&file)) {
+                    None => return Ok(Variant { entries: [vertex, compute], ..self.clone() }),
+                    Some(why) => format!("{why}, which compute shaders lack"),
+                }
+            }
+        };
+        Err(why)
     }
 
     /// Whether its rays are traced by a compute shader.
@@ -209,7 +227,9 @@ impl Variant {
                 *names = vec!["dense".into()]; // a sample of the light is wider than a pixel
             }
         }
-        Ok(Variant { entries, slots: library.needed(&entries, &choice)?, ..self.clone() })
+        let own = Variant { entries, slots: library.needed(&entries, &choice)?, ..self.clone() };
+        let compute = if self.is_compute() { own.in_compute(library).ok() } else { None };
+        Ok(compute.unwrap_or(own))
     }
 
     /// Modules of a table; `entry` is the fragment stage.

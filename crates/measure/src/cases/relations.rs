@@ -158,7 +158,7 @@ pub(super) fn warned(lab: &Lab<'_>, rows: &mut Rows) -> Result<(), CaseError> {
         let variant = Variant::of(&scene, &lab.library).map_err(RenderError::from)?;
         let subject = lab.subject(&variant)?;
         let frame = lab.render(&variant, &subject)?;
-        let lines = warnings(&frame.measurements, &variant, &subject);
+        let lines = warnings(&frame.measurements, &variant, &subject, &lab.library);
         let ok = if line.is_empty() { lines.is_empty() } else { lines.iter().any(|found| found.contains(line)) };
         let setting = changes.iter().map(|(field, value)| format!("{field} = {value}")).collect::<Vec<_>>().join(", ");
         let what = if case == 0 { "no warning".into() } else { format!("{input}: warning (case {case})") };

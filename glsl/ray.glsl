@@ -1,7 +1,0 @@
-// A ray of a picture: matter is composited front to back until the ray ends.
-// Source: PH 3.1. The entry declares fragment, which receives premultiplied linear RGBA.
-vec3 position_eye;                      // eye space
-#define MEETS(matter, k) sum += (1.0 - sum.a) * (matter)        // PH 3.1: front to back
-#define ENDS sum.a >= full_opacity                              // PH 3.1: until opaque
-#define GIVES sum
-#include "march.glsl"
