@@ -6,6 +6,7 @@
 mod displays;
 mod hands;
 
+use hypertexture::output::read_provenance;
 use hypertexture::scene::{self, Reach};
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -263,6 +264,9 @@ fn m52_a_broken_module_leaves_the_picture_and_a_mended_one_changes_it() {
     let pixels = |path: &String| image::open(path).unwrap().into_rgba8();
     assert_ne!(pixels(first), pixels(second));
     assert_eq!(pixels(second), pixels(third), "a text that is refused changes nothing");
+    let edited = "; edited in the window: dmf/part_of.glsl";
+    let is_edited = |path: &String| read_provenance(Path::new(path)).unwrap().modules.ends_with(edited);
+    assert_eq!([second, third, fourth].map(is_edited), [false, true, false], "the file has another text");
     assert_ne!(pixels(third), pixels(fourth));
     assert_eq!(scene::load(Path::new(&scene), Reach::Anywhere).unwrap().modules["dmf/part_of"], file);
     let rendered = path("rendered.png");
