@@ -164,10 +164,7 @@ impl Provenance {
     /// Present path of an input.
     fn place(&self, input: &str, picture: &Path) -> String {
         let beside = picture.parent().unwrap_or(Path::new("")).join(input);
-        match !Path::new(input).exists() && beside.exists() {
-            true => beside.display().to_string(),
-            false => input.into(),
-        }
+        if !Path::new(input).exists() && beside.exists() { beside.display().to_string() } else { input.into() }
     }
 }
 

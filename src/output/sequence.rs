@@ -81,10 +81,7 @@ impl Sequence {
     /// # Errors
     /// [`SequenceError::Rate`].
     pub fn check(&self) -> Result<(), SequenceError> {
-        match (0.001..=1000.0).contains(&self.fps) {
-            true => Ok(()),
-            false => Err(SequenceError::Rate(self.fps)),
-        }
+        if (0.001..=1000.0).contains(&self.fps) { Ok(()) } else { Err(SequenceError::Rate(self.fps)) }
     }
 
     /// The scene of frame k. Adds k / fps seconds to the time of `scene` and, with a turntable,

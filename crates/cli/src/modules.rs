@@ -1,7 +1,6 @@
 //! Modules from the command line, and the debug views.
 
-use hypertexture::scene::schema;
-use hypertexture::scene::{Projection, RayPath, Scene, SceneError};
+use hypertexture::scene::{Projection, RayPath, Scene, SceneError, schema};
 
 /// Sets the modules of one slot, separated by `+`. A name that ends in `.glsl` is a custom module.
 pub(super) fn module(text: &str, scene: &mut Scene) -> Result<(), SceneError> {

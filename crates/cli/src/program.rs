@@ -15,9 +15,8 @@ use crate::{
 };
 use clap::error::ErrorKind;
 use hypertexture::gpu::Options;
-use hypertexture::scene::SceneError;
-use hypertexture::scene::parse_value;
 use hypertexture::scene::schema::{SETTINGS, Setting};
+use hypertexture::scene::{SceneError, parse_value};
 use hypertexture::shader::compile;
 use measure::{guard, worker};
 use std::error::Error;

@@ -271,10 +271,7 @@ impl<'a> Source<'a> {
 
     /// Checks a number of triangles against [`MAX_TRIANGLES`].
     pub fn check_triangles(&self, triangles: u64) -> Result<(), ShapeError> {
-        match triangles <= MAX_TRIANGLES {
-            true => Ok(()),
-            false => Err(self.too_large("triangles", triangles, MAX_TRIANGLES)),
-        }
+        if triangles <= MAX_TRIANGLES { Ok(()) } else { Err(self.too_large("triangles", triangles, MAX_TRIANGLES)) }
     }
 
     /// A link in `file` that leads out of the folder.

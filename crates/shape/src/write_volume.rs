@@ -3,8 +3,7 @@
 //! Invariant: a volume is read back bit for bit, except from NPY.
 
 use super::axes::{directions, lengths};
-use super::space::Space;
-use super::space::listed;
+use super::space::{Space, listed};
 use super::write_values::{LEVEL, check, write_values};
 use super::{Content, Volume, meta, nrrd, vdb, write_nifti};
 use flate2::write::{GzEncoder, ZlibEncoder};

@@ -67,10 +67,7 @@ pub fn fails(name: &'static str) -> bool {
 /// # Errors
 /// The injected fault.
 pub fn file(name: &'static str) -> io::Result<()> {
-    match fails(name) {
-        true => Err(io::Error::other(format!("{name}: no space left on device"))),
-        false => Ok(()),
-    }
+    if fails(name) { Err(io::Error::other(format!("{name}: no space left on device"))) } else { Ok(()) }
 }
 
 /// Records a message of the validation layer.

@@ -28,10 +28,7 @@ impl Message {
 
     /// Remaining display time; `None` if it is over.
     pub fn remaining(&self) -> Option<Duration> {
-        match self.is_error {
-            true => Some(Duration::MAX),
-            false => NOTE.checked_sub(self.said.elapsed()),
-        }
+        if self.is_error { Some(Duration::MAX) } else { NOTE.checked_sub(self.said.elapsed()) }
     }
 }
 

@@ -1,8 +1,7 @@
 //! Gradient noise far from the origin, around 0, beyond integers, and where it repeats.
 
 use super::function::Function;
-use super::lab::number;
-use super::lab::{CaseError, Lab, Rows};
+use super::lab::{CaseError, Lab, Rows, number};
 use crate::statistics::largest;
 use hypertexture::noise::{Lattice, Weights};
 

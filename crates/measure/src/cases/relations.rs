@@ -1,7 +1,6 @@
 //! Relations between pictures of presets, and warnings.
 
-use super::lab::number;
-use super::lab::{CaseError, Lab, Rows, same};
+use super::lab::{CaseError, Lab, Rows, number, same};
 use crate::statistics::{largest, rms_difference};
 use hypertexture::render::variant::Variant;
 use hypertexture::render::{RenderError, warnings};

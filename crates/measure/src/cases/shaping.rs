@@ -18,10 +18,7 @@ fn bias(b: f64, t: f64) -> f64 {
 }
 
 fn gain(g: f64, t: f64) -> f64 {
-    match t < 0.5 {
-        true => 0.5 * bias(1.0 - g, 2.0 * t),
-        false => 1.0 - 0.5 * bias(1.0 - g, 2.0 - 2.0 * t),
-    }
+    if t < 0.5 { 0.5 * bias(1.0 - g, 2.0 * t) } else { 1.0 - 0.5 * bias(1.0 - g, 2.0 - 2.0 * t) }
 }
 
 fn shaping<'a>(lab: &Lab<'a>) -> Result<Function<'a>, CaseError> {

@@ -52,10 +52,7 @@ impl Verdict {
     /// Whether the scene gives this picture on this device.
     pub fn is_of_scene(&self) -> bool {
         let [off, all] = self.rerendered;
-        match self.same_device {
-            true => off == 0,
-            false => self.foreign == 0 && off as f64 <= AT_EDGES * all as f64,
-        }
+        if self.same_device { off == 0 } else { self.foreign == 0 && off as f64 <= AT_EDGES * all as f64 }
     }
 
     /// Whether the error is within its bound.

@@ -2,8 +2,7 @@
 
 use crate::message::Message;
 use hypertexture::scene::{self, Camera, ParameterValue, Parameters, Part, Scene, SceneError, schema};
-use hypertexture::shader::ParameterKind;
-use hypertexture::shader::{Library, Slots};
+use hypertexture::shader::{Library, ParameterKind, Slots};
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 
