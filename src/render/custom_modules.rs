@@ -11,7 +11,6 @@ use crate::render::variant::{self, Checkable, OCTAVES_ID, Purpose, Use, Variant,
 use crate::scene::{ParameterValue, Pass};
 use crate::shader::{FAULT, Library, changed};
 use std::collections::BTreeMap;
-use std::fmt;
 
 /// Loop iterations of a fragment after which lavapipe silently ends it.
 const MOST_TURNS: u64 = 65_535;
@@ -32,7 +31,8 @@ const NAMED: usize = 8;
 pub const FINITE: &str = "keep what it computes finite, such as log(max(x, 1e-6))";
 
 /// A non-finite result of a custom module, or an overflow of f32 on the way to it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{module} gives {what}{with}, for {count} of {tried} {of}, the first in pixel {}, {}", .pixel[0], .pixel[1])]
 pub struct ModuleFault {
     /// Module, such as `dmf/ripples.glsl`; for an overflow, with its line.
     pub module: String,
@@ -48,13 +48,6 @@ pub struct ModuleFault {
     pub of: &'static str,
     /// Pixel of the first fault.
     pub pixel: [u32; 2],
-}
-
-impl fmt::Display for ModuleFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let ModuleFault { module, what, with, count, tried, of, pixel: [x, y] } = self;
-        write!(f, "{module} gives {what}{with}, for {count} of {tried} {of}, the first in pixel {x}, {y}")
-    }
 }
 
 /// Tests the custom modules of a scene. A scene that cannot be evaluated passes.

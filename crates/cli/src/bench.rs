@@ -91,11 +91,11 @@ pub(super) fn run(command: &Bench, options: &Options, quiet: bool) -> Result<(),
     }
     if let [first, ..] = found.failures.as_slice() {
         let count = found.failures.len();
-        return Err(Failed::new(format!("{count} groups could not be timed; the first, {first}")).into());
+        return Err(Failed(format!("{count} groups could not be timed; the first, {first}")).into());
     }
     match changes.iter().filter(|change| change.times > 1.0).count() {
         0 => Ok(()),
-        slower => Err(Failed::new(format!("{slower} rows are slower than the baseline, beyond the spread")).into()),
+        slower => Err(Failed(format!("{slower} rows are slower than the baseline, beyond the spread")).into()),
     }
 }
 

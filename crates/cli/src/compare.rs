@@ -14,7 +14,6 @@ use measure::compare::{Comparison, Session, Settings, compare, paper};
 use measure::reference::{Reference, TOLERANCE, reference};
 use measure::worker::{Load, Worker};
 use std::error::Error;
-use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -74,23 +73,9 @@ impl Compare {
 }
 
 /// A report that holds failures; it was written.
-#[derive(Debug)]
-pub struct Failed(pub(super) String);
-
-impl Failed {
-    /// Failures, in one line.
-    pub fn new(line: String) -> Failed {
-        Failed(line)
-    }
-}
-
-impl fmt::Display for Failed {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl Error for Failed {}
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct Failed(pub String);
 
 /// Compares, and writes the report.
 pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {

@@ -84,7 +84,7 @@ pub(super) fn run(command: &GalleryArguments, options: &Options, quiet: bool) ->
     }
     let count = failures.len();
     failures.into_iter().next().map_or(Ok(()), |(name, reason)| {
-        Err(Failed::new(format!("{count} of {} scenes failed; the first, {name}: {reason}", scenes.len())).into())
+        Err(Failed(format!("{count} of {} scenes failed; the first, {name}: {reason}", scenes.len())).into())
     })
 }
 

@@ -9,7 +9,6 @@ use hypertexture::output::{identity, write};
 use hypertexture::render::{Renderer, same_pictures};
 use serde_json::{Value, json};
 use std::error::Error;
-use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -60,16 +59,9 @@ pub struct Motion {
 }
 
 /// An interrupt by the user or a scheduler, with the finished frames.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
 pub struct Interrupted(pub String);
-
-impl fmt::Display for Interrupted {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl Error for Interrupted {}
 
 impl Motion {
     /// Sequence of the arguments, if any.

@@ -4,7 +4,6 @@ use super::scene_arguments::{ObjectFlags, SceneArguments, files_read, size};
 use clap::Args;
 use hypertexture::gpu::Options;
 use std::error::Error;
-use std::fmt;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -58,16 +57,9 @@ fn error(text: &str) -> Result<f64, String> {
 }
 
 /// Failure to open a window.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
+#[error(transparent)]
 pub struct NoWindow(ViewError);
-
-impl fmt::Display for NoWindow {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.fmt(f)
-    }
-}
-
-impl Error for NoWindow {}
 
 /// Shows the window.
 pub fn run(command: ViewArguments, options: Options) -> Result<(), Box<dyn Error>> {

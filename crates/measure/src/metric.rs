@@ -48,7 +48,8 @@ impl fmt::Display for Metric {
 }
 
 /// Count of the NaN or infinite pixels of a picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{pixels} of {all} pixels are NaN or infinite, the first {} {}", .first[0], .first[1])]
 pub struct NotFinite {
     /// Pixels with any such channel.
     pub pixels: usize,
@@ -65,13 +66,6 @@ impl NotFinite {
         let first = pixels.iter().position(|pixel| is_bad(&pixel))?;
         let (count, width) = (pixels.iter().filter(is_bad).count(), width as usize);
         Some(NotFinite { pixels: count, all: pixels.len(), first: [first % width, first / width] })
-    }
-}
-
-impl fmt::Display for NotFinite {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let NotFinite { pixels, all, first: [x, y] } = self;
-        write!(f, "{pixels} of {all} pixels are NaN or infinite, the first {x} {y}")
     }
 }
 

@@ -14,15 +14,10 @@ const CHOICES: [(ThemePreference, &str); 3] =
     [(ThemePreference::System, "system"), (ThemePreference::Dark, "dark"), (ThemePreference::Light, "light")];
 
 /// The chosen theme, which persists.
+#[derive(Default)]
 pub(super) struct Chosen {
     preference: ThemePreference,
     file: Option<PathBuf>,
-}
-
-impl Default for Chosen {
-    fn default() -> Chosen {
-        Chosen { preference: ThemePreference::System, file: None }
-    }
 }
 
 impl Chosen {
