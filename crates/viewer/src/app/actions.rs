@@ -24,7 +24,7 @@ impl App {
             Action::Reset => self.request(Request::ResetCamera),
             Action::Previous => self.step(-1),
             Action::Next => self.step(1),
-            Action::Screenshot => self.request(Request::Screenshot(free_name("hypertexture", ".png"))),
+            Action::Screenshot => self.request(Request::Screenshot(self.free_name("hypertexture", ".png"))),
             Action::Record => self.request(Request::Record(self.panels.finals.frames().is_none())),
             Action::Compare => {
                 let kept = self.comparison.pinned.is_none().then(|| Box::new(self.shown()));
@@ -81,7 +81,7 @@ impl App {
                 self.comparison.pinned = self.comparison.pinned.take().filter(|_| !on); // it is that of one variant
             }
             Request::Record(true) => {
-                let (scene, path) = (self.shown(), free_name("turntable", "_####.png"));
+                let (scene, path) = (self.shown(), self.free_name("turntable", "_####.png"));
                 self.panels.finals.add(Order::turntable(scene, self.model.library().clone(), path));
             }
             Request::Record(false) => self.panels.finals.stop(),
@@ -201,14 +201,14 @@ impl App {
             self.note(format!("using {}: error at most {error:.1e} against {by}", pick.settings));
         }
     }
-}
 
-/// The first unused file name of the form `stem`, number, `end`.
-fn free_name(stem: &str, end: &str) -> PathBuf {
-    let name = |number: u32| PathBuf::from(format!("{stem}_{number:03}{end}"));
-    let taken = |path: &Path| {
-        let first = path.to_string_lossy().replace("####", "0000");
-        path.exists() || Path::new(&first).exists()
-    };
-    (1..1000).map(name).find(|path| !taken(path)).unwrap_or_else(|| name(1000))
+    /// The first file name of the form `stem`, number, `end` that neither exists nor is ordered.
+    fn free_name(&self, stem: &str, end: &str) -> PathBuf {
+        let name = |number: u32| PathBuf::from(format!("{stem}_{number:03}{end}"));
+        let taken = |path: &PathBuf| {
+            let first = path.to_string_lossy().replace("####", "0000");
+            Path::new(&first).exists() || self.panels.finals.own.contains(Path::new(&first))
+        };
+        (1..1000).map(name).find(|path| !taken(path)).unwrap_or_else(|| name(1000))
+    }
 }

@@ -39,7 +39,7 @@ pub(crate) struct Finals {
     waiting: VecDeque<Order>,
     outcome: Option<Message>,
     /// First files of all orders.
-    pub(super) own: BTreeSet<PathBuf>,
+    pub(crate) own: BTreeSet<PathBuf>,
 }
 
 impl Finals {
