@@ -1,6 +1,6 @@
 // Fire: a soft region that is wider above the object than below it, torn into tongues by turbulence that rises.
 // Source: PH 2.4 (fire ball: D(x (1 + turbulence(x)))), MJ 6 (fire varying with height); the form is a reconstruction.
-// density: D in [0, 1]; result in [0, 1]. Leaves the wide normal to the medium.
+// density: D in [0, 1]; result in [0, 1]. Leaves the wide normal to the medium where flames are.
 // @outer flame_length
 // @drift rise * 0.45 * flame_scale
 // @param flame_length = 0.5 in [0.01, 1.5]: Length of the flames above the object, object units.
@@ -23,15 +23,18 @@ vec3 wide_normal(Sample s) {
 
 float fire(float density, inout Sample s) {
     if (density >= 1.0) return 1.0;
+    float height = clamp((s.x.y - own_min.y) / (own_max.y - own_min.y), 0.0, 1.0);
+    float deep = fury * mix(0.8, 1.5, height);                   // MJ 6: varying with height
+    vec3 p = flame_scale * vec3(1.0, 0.45, 1.0) * (s.x - vec3(0.0, rise * time, 0.0));
+    // Nothing is left even of a flame as long as flames get, upward, where the fetches of the gradient are saved.
+    float most = 1.0001 * density + 1e-6, rate = deep * (1.35 - density);
+    float torn = turbulence(p, flame_scale * sample_width(), most / max(rate, 1e-6));
+    if (rate * torn >= most) return 0.0;
     s.wide_normal = wide_normal(s);
     float up = smoothstep(-0.8, 0.9, s.wide_normal.y);
     float reach = mix(0.22, 1.0, up);                            // of the flame length, in this direction
     float away = clamp((1.0 - density) / reach, 0.0, 1.0);       // 0 at the object, 1 at the tip of a flame
-    float height = clamp((s.x.y - own_min.y) / (own_max.y - own_min.y), 0.0, 1.0);
-    float cut = fury * mix(0.8, 1.5, height) * (0.35 + away);    // MJ 6: varying with height
-    float enough = 1.0001 * (1.0 - away) / max(cut, 1e-6);       // nothing is left of the flame
-    vec3 p = flame_scale * vec3(1.0, 0.45, 1.0) * (s.x - vec3(0.0, rise * time, 0.0));
-    float left = 1.0 - away - cut * turbulence(p, flame_scale * sample_width(), enough);
+    float left = 1.0 - away - deep * (0.35 + away) * torn;
     // The gas stands off from the object: it is thinnest there, so that slices leave no contours on the surface, also where
     // flames are short.
     return 0.85 * clamp(1.4 * left, 0.0, 1.0) * smoothstep(0.0, 0.15, 1.0 - density);

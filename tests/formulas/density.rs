@@ -183,10 +183,14 @@ fn settled(at: &At<'_>, density: f64) -> f64 {
     if at.p[2][0] >= 1.0 { density } else { density * faded(at.number("settle_slope"), over, at.p[1][1]) }
 }
 
-/// On a sphere: what is left of a flame, and the direction that it leaves to its medium.
+/// On a sphere: what is left of a flame, and the direction that it leaves to its medium there.
 fn fire(library: &Library) -> f64 {
     let text = "#include \"sample.glsl\"\n#include <dmf>
-        void check() { Sample s = sample_object(p0.xyz); out0.x = modulate(p0.w, s); out0.yzw = s.wide_normal; }";
+        void check() {
+            Sample s = sample_object(p0.xyz);
+            out0.x = modulate(p0.w, s);
+            out0.yzw = out0.x > 0.0 ? s.wide_normal : vec3(0.0);
+        }";
     let check = Check::new(library, &[("dmf", "fire")], text)
         .given(|random, _| [(random.direction() * random.within(0.6, 1.8)).extend(random.density()).to_array(); 4]);
     check.holds(1e-7, |at| {
@@ -209,6 +213,7 @@ fn fire(library: &Library) -> f64 {
         let torn = turbulence(place(at.number("flame_scale") * rising)).v;
         let left = 1.0 - away - at.number("fury") * mix(c(0.8), 1.5, height) * (c(0.35) + away) * torn;
         let gas = c(0.85) * (c(1.4) * left).clamp(0.0, 1.0) * smoothstep(0.0, c(0.15), 1.0 - density);
+        let wide = if gas > 0.0 { wide } else { DVec3::ZERO };
         [gas].into_iter().chain(wide.to_array()).collect()
     })
 }
