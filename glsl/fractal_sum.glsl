@@ -17,4 +17,13 @@ vec4 fractal_sum_gradient(vec3 p, float width) {
     }
     return sum;
 }
-float fractal_sum(vec3 p, float width) { return fractal_sum_gradient(p, width).w; }
+
+float fractal_sum(vec3 p, float width) {
+    float sum = 0.0, scale = 1.0;
+    for (int index = 0; index < OCTAVES; ++index) {
+        float weight = octave_weight(scale * width);
+        sum += weight > 0.0 ? weight * noise(scale * p) / scale : 0.0;
+        scale *= 2.0;
+    }
+    return sum;
+}

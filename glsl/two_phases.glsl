@@ -27,8 +27,7 @@ vec4 matter_at(vec3 x, float path, bool hard) {
 }
 
 vec4 classify(vec3 x, float path) {
-    Sample s = look(x);
-    distance_found = s.distance;
-    bool hard = s.density >= 1.0;
-    return s.density > 0.0 && (!hard || begins(x, path)) ? matter(s, path, hard) : vec4(0.0);
+    float density = find_density(x);
+    bool hard = density >= 1.0;
+    return density > 0.0 && (!hard || begins(x, path)) ? matter_at(x, path, hard) : vec4(0.0);
 }

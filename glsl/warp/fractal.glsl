@@ -7,6 +7,8 @@
 #include "fractal_sum.glsl"
 #include "scale_radius.glsl"
 void fractal(inout vec3 x, inout mat3 jacobian) {
-    vec4 n = fractal_amplitude * fractal_sum_gradient(fractal_frequency * x, fractal_frequency * sample_width());
+    vec3 p = fractal_frequency * x;
+    float width = fractal_frequency * sample_width();
+    vec4 n = fractal_amplitude * moved_by(fractal_sum_gradient(p, width), fractal_sum(p, width));
     scale_radius(x, jacobian, n.w, fractal_frequency * n.xyz);
 }

@@ -7,6 +7,6 @@
 #include <noise>
 #include "scale_radius.glsl"
 void noisy(inout vec3 x, inout mat3 jacobian) {
-    vec4 n = amplitude * noise_gradient(frequency * x);
+    vec4 n = amplitude * moved_by(noise_gradient(frequency * x), noise(frequency * x));
     scale_radius(x, jacobian, n.w, frequency * n.xyz);
 }

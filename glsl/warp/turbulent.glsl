@@ -16,6 +16,7 @@ void turbulent(inout vec3 x, inout mat3 jacobian) {
     float arm = min(length(x), hold_radius);
     float enough = 1.0001 * (own_radius - length(x)) / max(turbulence_amplitude * arm, 1e-6);
     if (sample_reach > 0.0) enough = ALL;      // a segment asks how far outside its ends are
-    vec4 t = turbulence_amplitude * turbulence_gradient(p, turbulence_frequency * sample_width(), enough);
+    float width = turbulence_frequency * sample_width();
+    vec4 t = turbulence_amplitude * moved_by(turbulence_gradient(p, width, enough), turbulence(p, width, enough));
     scale_radius(x, jacobian, t.w, turbulence_frequency * t.xyz);
 }

@@ -93,7 +93,7 @@ impl Scene {
             .map(|(slot, name)| header(library, slot, name).places as f32)
             .sum();
         let layers = if effect.medium.contains('+') { 2.0 } else { 0.0 }; // each medium evaluates its own
-        let sums = (effect.warp.len() + effect.dmf.len() + 1).max(2) as f32;
+        let sums = (2 * effect.warp.len() + effect.dmf.len() + 1).max(2) as f32; // a warp for distance and normal
         let noise = self.noise_loops(library);
         let sum = effect.octaves as f32 * self.octave_loops(library).max(noise);
         (places + more + layers) * (sums * sum + 3.0 * noise)

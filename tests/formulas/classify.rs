@@ -12,7 +12,7 @@ crate::rows! {
     m10_p45_soft_matter_covers_by_its_modulated_density = |l| soft(l, CLASSIFY),
         "classify/soft.glsl": "if (hard)" => "if (!hard)",
         "classify/soft.glsl": "modulate(s.density, s)" => "s.density",
-        "two_phases.glsl": "s.density >= 1.0" => "s.density >= 2.0";
+        "two_phases.glsl": "density >= 1.0" => "density >= 2.0";
     m10_p45_two_phases_find_what_one_does = |l| soft(l, IN_PHASES),
         "two_phases.glsl": "s.density = density_found" => "s.density = 0.5 * density_found";
     m30_a_hard_object_covers_or_does_not = surface,

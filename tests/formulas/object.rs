@@ -25,7 +25,8 @@ crate::rows! {
         "object/distance.glsl": "volume_distance(tex_coord - w)" => "volume_distance(tex_coord + w)";
     m47_a_sample_is_displaced_and_softened = sampled,
         "sample.glsl": "transpose(jacobian)" => "(jacobian)",
-        "sample.glsl": "object(displaced)" => "object(x)";
+        "sample.glsl": "object(displaced)" => "object(x)",
+        "sample.glsl": "object(shaded)" => "object(x)";
     p32_the_foot_on_a_formula_lies_on_the_inner_surface = |l| feet(l, "formula"),
         "project/formula.glsl": "surface.distance - iso_value" => "surface.distance + iso_value";
     p32_the_foot_along_the_gradient_lies_on_the_inner_surface = |l| feet(l, "gradient"),

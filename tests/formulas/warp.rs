@@ -20,7 +20,8 @@ crate::rows! {
         stretched(at, x, sum * at.number("fractal_amplitude"))
     }),
         "warp/fractal.glsl": "fractal_frequency * n.xyz" => "n.xyz",
-        "fractal_sum.glsl": "n.w / scale" => "n.w";
+        "fractal_sum.glsl": "n.w / scale" => "n.w",
+        "fractal_sum.glsl": "noise(scale * p) / scale" => "noise(scale * p)";
     p30_turbulent_scales_the_radius_by_turbulence = |l| warp(l, "turbulent", |at, x| {
         let risen = moved(x, DVec3::NEG_Y * at.number("turbulence_speed") * at.number("time"));
         let sum = turbulence(scaled(risen, at.number("turbulence_frequency")));
@@ -64,13 +65,18 @@ fn warp(library: &Library, module: &str, formula: fn(&At<'_>, Place) -> Place) -
 
 /// A warp after another one, whose derivative is given.
 fn warped(library: &Library, module: &str) -> Check {
-    let text = "#include <warp>
+    let text = "#include \"scale_radius.glsl\"
+        #include <warp>
         void check() {
             vec3 x = p0.xyz;
-            mat3 jacobian = mat3(p1.xyz, p2.xyz, vec3(p1.w, p2.w, p3.w));
+            mat3 jacobian = mat3(p1.xyz, p2.xyz, vec3(p1.w, p2.w, p3.w)), unset = jacobian;
             displace(x, jacobian);
             out0.xyz = x;
             out1.xyz = jacobian * vec3(0.25, -0.75, 0.5);
+            takes_slope = false;
+            x = p0.xyz;
+            displace(x, unset);
+            out0.w = distance(out0.xyz, x); // with slopes and without them, points move alike
         }";
     Check::new(library, &[("warp", module)], text).given(|random, _| {
         let mut p = random.point();
