@@ -2,7 +2,7 @@
 
 use super::compare::Failed;
 use super::sequence::{Interrupted, stop_flag};
-use super::{absolute, announced, say};
+use super::{absolute, announced, say, say_json};
 use clap::Args;
 use hypertexture::gpu::{Gpu, Options};
 use measure::bench::{self, Change};
@@ -31,8 +31,8 @@ pub struct Bench {
     /// Timed runs of each row, 1 to 1000 [default: 7; quick: 3].
     #[arg(long, value_name = "RUNS")]
     repeat: Option<usize>,
-    /// Also writes all times into this file.
-    #[arg(long, value_name = "FILE")]
+    /// Also writes all times into this file; without a file, prints them in place of the table.
+    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
     json: Option<PathBuf>,
     /// Compare with this file, written by --json on the same device. The exit code is 1 if
     /// a row got slower.
@@ -46,8 +46,10 @@ pub(super) fn run(command: &Bench, options: &Options, quiet: bool) -> Result<(),
     if !(1..=1000).contains(&repeats) {
         return Err(format!("--repeat {repeats}: must be from 1 to 1000").into());
     }
-    if let Some(path) = &command.json {
-        hypertexture::output::check_all([("--json", path.clone())], command.baseline.clone())?;
+    let (is_printed, file) = (command.json.as_deref() == Some(Path::new("-")), command.json.as_deref());
+    let file = file.filter(|_| !is_printed);
+    if let Some(path) = file {
+        hypertexture::output::check_all([("--json", path.into())], command.baseline.clone())?;
     }
     let saved = command.baseline.as_deref().map(read).transpose()?;
     let library = bench::library();
@@ -72,10 +74,13 @@ pub(super) fn run(command: &Bench, options: &Options, quiet: bool) -> Result<(),
     let stop = || flag.load(Ordering::Relaxed);
     let found = announced(quiet, "bench", |progress| {
         progress(0.0);
-        bench::measure(&gpu, &library, &groups, repeats, &|part| progress(part), &stop)
+        bench::measure(gpu, &|| Gpu::new(options), &library, &groups, repeats, &|part| progress(part), &stop)
     });
-    say(&bench::table(&found));
-    if let Some(path) = &command.json {
+    match is_printed {
+        true => say_json(&found)?,
+        false => say(&bench::table(&found)),
+    }
+    if let Some(path) = file {
         write_whole(path, serde_json::to_string_pretty(&found)?.as_bytes())
             .map_err(|error| format!("{}: {error}; nothing was written", path.display()))?;
         if !quiet {
@@ -83,7 +88,7 @@ pub(super) fn run(command: &Bench, options: &Options, quiet: bool) -> Result<(),
         }
     }
     let changes = changes(&found)?;
-    if saved.is_some() {
+    if saved.is_some() && !is_printed {
         say(&format_changes(&changes));
     }
     if found.partial {
@@ -91,7 +96,7 @@ pub(super) fn run(command: &Bench, options: &Options, quiet: bool) -> Result<(),
     }
     if let [first, ..] = found.failures.as_slice() {
         let count = found.failures.len();
-        return Err(Failed(format!("{count} groups could not be timed; the first, {first}")).into());
+        return Err(Failed(format!("{count} rows could not be timed; the first, {first}")).into());
     }
     match changes.iter().filter(|change| change.times > 1.0).count() {
         0 => Ok(()),

@@ -62,7 +62,7 @@ const BRIEF: [(&str, &[&str], [&str; 2]); 18] = [
     ),
     (
         "bench",
-        &["quick", "repeat", "json", "baseline"],
+        &["quick", "stages", "repeat", "json", "baseline"],
         ["bench --quick --json mine.json", "bench effects --baseline mine.json"],
     ),
     ("effects", &[], ["effects", "effects | less"]),

@@ -4,6 +4,7 @@
 //! program, which contains only the modules it needs. Invariant: linking is a pure function of the library, the entry file
 //! and the chosen modules. Shipped programs are compiled by this crate too, in `build.rs`.
 
+mod count;
 pub mod declare;
 pub mod drift;
 mod error;
@@ -24,6 +25,7 @@ pub mod slots;
 pub mod spirv;
 mod stage;
 
+pub use count::counting;
 pub use declare::{Declarations, Parameter, ParameterKind};
 pub use error::{LibraryError, LinkError};
 pub use formula::{Formula, FormulaError};

@@ -21,6 +21,8 @@ use std::{fs, io};
 pub struct Library {
     sources: Arc<BTreeMap<String, File>>,
     compiler: Compiler,
+    /// Whether pictures are counts.
+    pub(super) counts: bool,
 }
 
 /// Where user text is compiled.
@@ -48,7 +50,7 @@ impl Library {
     /// Builds a library from (path, text) pairs.
     pub fn new(sources: impl IntoIterator<Item = (String, String)>) -> Library {
         let files = sources.into_iter().map(|(path, text)| (path, File::new(text)));
-        Library { sources: Arc::new(files.collect()), compiler: Compiler::Here }
+        Library { sources: Arc::new(files.collect()), compiler: Compiler::Here, counts: false }
     }
 
     /// Reads every file of a folder that has an extension.
@@ -86,7 +88,7 @@ impl Library {
 
     /// A library of other sources with the compiler of this one.
     pub(super) fn with_sources(&self, sources: impl IntoIterator<Item = (String, String)>) -> Library {
-        Library { compiler: self.compiler.clone(), ..Library::new(sources) }
+        Library { compiler: self.compiler.clone(), counts: self.counts, ..Library::new(sources) }
     }
 
     /// Compiles user text in child processes with limits that run the hypertexture executable `program`. Text can crash a compiler,

@@ -5,10 +5,10 @@ use super::program::{self, Program, shipped_programs};
 use crate::noise::Period;
 use crate::render::texture;
 use crate::scene::{
-    Color, FieldEncoding, Integration, ParameterValue, Parameters, SHADOW_SAMPLES, Scene, TargetFormat,
+    Color, FieldEncoding, Integration, ParameterValue, Parameters, Pass, SHADOW_SAMPLES, Scene, TargetFormat,
 };
 use crate::shader::slots::{FOLDED, objects, qualified};
-use crate::shader::{Library, LinkError, Linker, Parameter, Slots};
+use crate::shader::{Library, LinkError, Linker, Parameter, Slots, counting};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::iter;
@@ -20,6 +20,8 @@ const COMPUTE_ENTRIES: [(&str, &str); 4] = [
     ("depth.frag", "depth.frag#compute"),
     ("shadow.frag", "shadow.frag#compute"),
 ];
+/// Entry files of the pictures whose operations are counted.
+const COUNTED_ENTRIES: [&str; 3] = ["march.frag", "march.frag#compute", "slice.frag"];
 /// Parts of GLSL that fragment shaders alone have.
 const FRAGMENT_ONLY: [&str; 4] = ["gl_Frag", "dFd", "fwidth", "texture("];
 /// Replacements, in programs of shadows and depth, of modules that color and light matter.
@@ -288,6 +290,10 @@ impl Variant {
         library: &Library,
         linker: impl FnOnce() -> Result<Linker, LinkError>,
     ) -> Result<Program, VariantError> {
+        if library.is_of_counts() && COUNTED_ENTRIES.contains(&self.entries[1]) {
+            let [vertex, own] = self.linked(&library.noting_matter(), true, linker)?;
+            return Program::of(vertex, counting(&own, self.scene.quality.pass == Pass::Slices), false);
+        }
         let key = self.key();
         let ships = shipped_programs().binary_search_by(|program| program.0.cmp(&key)).ok();
         // These share their modules with a picture.

@@ -1,11 +1,16 @@
 //! The table of a run, and changes since a saved one.
 
-use super::timed::{Bench, Timed};
+use super::roofline::Peaks;
+use super::suite::BETTER_STAGE;
+use super::timed::{Bench, Floor, Timed};
 use crate::compare::timing::Spread;
 use std::fmt::Write as _;
 
 /// Smallest relative change that is reported; the place of a program in memory changes times as much.
 const CHANGE: f64 = 0.05;
+
+/// Time of `quality.stage = "auto"` that is allowed, in times of the better stage.
+const AUTO: f64 = 1.05;
 
 /// Runs of different machines, which cannot be compared.
 #[derive(Debug, PartialEq, thiserror::Error)]
@@ -60,6 +65,14 @@ pub fn table(bench: &Bench) -> String {
          fewer than 6); processor: user and system of all threads\n",
         environment.device, environment.driver, environment.threads, environment.version, environment.date
     );
+    if let Some(Peaks { operations, fetches }) = bench.peaks {
+        let [operations, fetches] = [operations, fetches].map(|each| each * 1e-6);
+        let _ = writeln!(
+            text,
+            "peaks of the device: {operations:.0} G operations (fma counts two) and {fetches:.3} G trilinear fetches a second\n\
+             floor: the time of the operations and fetches that a picture executes, each at its peak; the longer of both"
+        );
+    }
     let mut part = "";
     for row in &bench.rows {
         let (group, name) = row.name.split_once('/').unwrap_or(("", &row.name));
@@ -67,7 +80,8 @@ pub fn table(bench: &Bench) -> String {
             part = group;
             let _ = write!(
                 text,
-                "\n| {group} | device | processor | wall | takes so many times as long as | GeForce 6800 GT |\n|---|---|---|---|---|---|\n"
+                "\n| {group} | device | processor | wall | takes so many times as long as | GeForce 6800 GT | samples with matter | operations | fetches | times its floor |\n\
+                 |---|---|---|---|---|---|---|---|---|---|\n"
             );
         }
         let against = row.against.as_ref();
@@ -75,7 +89,27 @@ pub fn table(bench: &Bench) -> String {
         let paper = row.paper_ms.map_or(String::new(), |ms| format!("{ms:.1}"));
         let [device, processor, wall] =
             [row.device_ms, row.processor_ms, Some(row.wall_ms)].map(|spread| cell(spread, 1));
-        let _ = writeln!(text, "| {name} | {device} | {processor} | {wall} | {against} | {paper} |");
+        let floor = row.floor.map_or("- | - | - | -".into(), |Floor { counts, times, .. }| {
+            let [samples, operations, fetches] = [counts.samples, counts.operations, counts.fetches].map(|n| n * 1e-6);
+            format!("{samples:.2} M | {operations:.0} M | {fetches:.1} M | {times:.1}")
+        });
+        let _ = writeln!(text, "| {name} | {device} | {processor} | {wall} | {against} | {paper} | {floor} |");
+    }
+    let of_auto = |row: &&Timed| row.against.as_ref().is_some_and(|other| other.what == BETTER_STAGE);
+    let times = |row: &Timed| row.against.as_ref().map_or(0.0, |other| other.times.median);
+    let autos: Vec<&Timed> = bench.rows.iter().filter(of_auto).collect();
+    let slow: Vec<&str> = autos.iter().filter(|row| times(row) > AUTO).map(|row| &*row.name).collect();
+    if !autos.is_empty() {
+        let all = autos.len();
+        let _ = writeln!(
+            text,
+            "\nauto takes more than {AUTO} times the better stage in {} of {all} rows: {}",
+            slow.len(),
+            slow.join("; ")
+        );
+    }
+    for failure in &bench.failures {
+        let _ = writeln!(text, "\nnot timed: {failure}");
     }
     text
 }
@@ -83,6 +117,7 @@ pub fn table(bench: &Bench) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bench::roofline::Counts;
     use crate::bench::timed::Against;
 
     fn bench(name: &str, processor: &[f64], device: &[f64]) -> Bench {
@@ -94,6 +129,7 @@ mod tests {
             wall_ms: Spread::of(&[9.0]),
             against: None,
             paper_ms: None,
+            floor: None,
         };
         Bench { on_processor: true, rows: vec![row], ..Bench::default() }
     }
@@ -126,10 +162,17 @@ mod tests {
         let mut bench = bench("effects/lit", &[10.0, 12.0], &[5.0]);
         bench.rows[0].against = Some(Against { what: "its fetches alone".into(), times: Spread::of(&[2.0]) });
         bench.rows[0].paper_ms = Some(13.8);
+        let counts = Counts { samples: 1.5e6, operations: 2e9, fetches: 3e6 };
+        bench.rows[0].floor = Some(Floor { counts, ms: 5.0, times: 2.2 });
         let read: Bench = serde_json::from_str(&serde_json::to_string(&bench).unwrap()).unwrap();
         assert_eq!(read, bench);
         let text = table(&bench);
-        let row = "| lit | 5.0 (5.0 to 5.0) | 11.0 (10.0 to 12.0) | 9.0 (9.0 to 9.0) | 2.00 (2.00 to 2.00) its fetches alone | 13.8 |";
-        assert!(text.contains(row), "{text}");
+        let row = "| lit | 5.0 (5.0 to 5.0) | 11.0 (10.0 to 12.0) | 9.0 (9.0 to 9.0) | 2.00 (2.00 to 2.00) its fetches alone | 13.8 | 1.50 M | 2000 M | 3.0 M | 2.2 |";
+        assert!(text.contains(row) && !text.contains("auto"), "{text}");
+        for (times, slow) in [(1.05, "in 0 of 1 rows: \n"), (1.06, "in 1 of 1 rows: effects/lit\n")] {
+            bench.rows[0].against = Some(Against { what: BETTER_STAGE.into(), times: Spread::of(&[times]) });
+            let text = table(&bench);
+            assert!(text.contains(&format!("auto takes more than 1.05 times the better stage {slow}")), "{text}");
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! The rows: effects against their texture fetches, skipping of empty space, growth, encodings and proxies.
 
+use super::roofline::with_peaks;
 use crate::compare::paper::numbers;
 use hypertexture::field::Request;
 use hypertexture::render::{open, request};
@@ -16,6 +17,8 @@ const SAMPLES: u32 = 256;
 const SIDES: [u32; 2] = [300, 600];
 /// Sizes of the pictures of the stages, pixels.
 const STAGE_SIZES: [[u32; 2]; 3] = [[300, 300], [1024, 768], [1920, 1080]];
+/// Phrase for the fragment or compute stage, which `auto` is compared with.
+pub const BETTER_STAGE: &str = "the better stage";
 /// Side of the other pictures.
 const SIDE: u32 = 128;
 /// Voxels along the longest side of an object.
@@ -46,11 +49,11 @@ fn floor(second: &str) -> String {
     )
 }
 
-/// The modules that ship, and the minimal programs.
+/// The modules that ship, the minimal programs, and those of the peaks.
 pub fn library() -> Library {
-    FLOORS
-        .iter()
-        .fold(shader::shipped(), |library, (name, second)| library.with_module("classify", name, &floor(second)))
+    FLOORS.iter().fold(with_peaks(shader::shipped()), |library, (name, second)| {
+        library.with_module("classify", name, &floor(second))
+    })
 }
 
 /// Work that is timed.
@@ -67,8 +70,8 @@ pub struct Row {
     pub name: String,
     /// Work.
     pub work: Work,
-    /// Row of its group that it is compared with, and a phrase for it.
-    pub against: Option<(String, &'static str)>,
+    /// Rows of its group, of which the fastest is compared with, and a phrase for it.
+    pub against: Option<(Vec<String>, &'static str)>,
     /// Time in the paper on a GeForce 6800 GT, milliseconds.
     pub paper_ms: Option<f64>,
 }
@@ -79,7 +82,7 @@ impl Row {
     }
 
     fn against(self, name: &str, what: &'static str) -> Row {
-        Row { against: Some((name.into(), what)), ..self }
+        Row { against: Some((vec![name.into()], what)), ..self }
     }
 }
 
@@ -128,9 +131,10 @@ pub fn stages(quick: bool, names: &[String]) -> Result<Vec<Vec<Row>>, SceneError
                 Row::picture(format!("stages/{name}, {} x {}, {}", size[0], size[1], stage.name()), scene)
             };
             let fragment = row(ShaderStage::Fragment);
-            let others =
-                [ShaderStage::Compute, ShaderStage::Auto].map(|stage| row(stage).against(&fragment.name, "fragment"));
-            groups.push([fragment].into_iter().chain(others).collect());
+            let compute = row(ShaderStage::Compute).against(&fragment.name, "fragment");
+            let both = vec![fragment.name.clone(), compute.name.clone()];
+            let auto = Row { against: Some((both, BETTER_STAGE)), ..row(ShaderStage::Auto) };
+            groups.push(vec![fragment, compute, auto]);
         }
     }
     Ok(chosen(groups, names))
@@ -145,6 +149,7 @@ fn chosen(mut groups: Vec<Vec<Row>>, names: &[String]) -> Vec<Vec<Row>> {
                 .iter()
                 .filter(|row| wanted(row))
                 .filter_map(|row| Some(row.against.as_ref()?.0.clone()))
+                .flatten()
                 .collect();
             group.retain(|row| wanted(row) || others.contains(&row.name));
         }
@@ -294,7 +299,7 @@ fn fields(cuts: &[u32]) -> Vec<Row> {
         let shape = Shape::Mesh((0..cuts).fold(teapot.clone(), |mesh, _| cut(&mesh)));
         let request = request(&shape, &object, 0.25);
         let name = format!("growth/{} triangles, field of {RESOLUTION} voxels", teapot.triangles.len() << (2 * cuts));
-        let against = rows.last().map(|row| (row.name.clone(), "the row before"));
+        let against = rows.last().map(|row| (vec![row.name.clone()], "the row before"));
         rows.push(Row { name, work: Work::Field(shape, request), against, paper_ms: None });
     }
     rows
@@ -333,7 +338,7 @@ mod tests {
             }
         }
         for group in &groups {
-            for (other, _) in group.iter().filter_map(|row| row.against.as_ref()) {
+            for other in group.iter().filter_map(|row| row.against.as_ref()).flat_map(|(others, _)| others) {
                 assert!(group.iter().any(|row| row.name == *other), "{other} is in the group");
             }
         }

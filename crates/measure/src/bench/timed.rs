@@ -1,17 +1,17 @@
 //! Times of rows, and the run that is saved.
 
+use super::roofline::{Counts, Peaks};
+use super::run::{Run, steadiest};
 use super::suite::{Row, Work};
 use crate::compare::report::{Environment, load};
 use crate::compare::timing::{Spread, interleave};
-use hypertexture::gpu::Gpu;
+use hypertexture::gpu::{Gpu, GpuError};
 use hypertexture::render::{RenderError, Renderer, Subject};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
 use hypertexture::{field, shape};
 use serde::{Deserialize, Serialize};
-use std::time::Instant;
 use support::random::SplitMix;
-use support::watchdog::own_processor_time;
 
 /// All times of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -20,9 +20,12 @@ pub struct Bench {
     pub environment: Environment,
     /// Whether the device is the processor; its processor time is compared.
     pub on_processor: bool,
+    /// Peaks of the device; `None` without pictures.
+    #[serde(default)]
+    pub peaks: Option<Peaks>,
     /// The rows, in the order of the suite.
     pub rows: Vec<Timed>,
-    /// Groups that could not be timed, with their errors.
+    /// Rows that could not be timed, with their errors.
     pub failures: Vec<String>,
     /// Whether it was interrupted.
     pub partial: bool,
@@ -50,19 +53,26 @@ pub struct Timed {
     pub against: Option<Against>,
     /// Time in the paper on a GeForce 6800 GT, milliseconds.
     pub paper_ms: Option<f64>,
+    /// Least time of its operations and fetches on this device; `None` where they are not counted.
+    #[serde(default)]
+    pub floor: Option<Floor>,
+}
+
+/// Least time of the work of a row.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Floor {
+    /// The work.
+    pub counts: Counts,
+    /// Milliseconds of the device at its peak.
+    pub ms: f64,
+    /// Median time of the row without its shadow volume, divided by that.
+    pub times: f64,
 }
 
 impl Timed {
     pub(super) fn steadiest(&self, on_processor: bool) -> Spread {
         steadiest(on_processor, self.device_ms, self.processor_ms, self.wall_ms)
     }
-}
-
-/// The time that is compared with another run: of the processor if it is the device, as it is steady on a busy machine; else
-/// of the device; else of the wall clock.
-fn steadiest<T>(on_processor: bool, device: Option<T>, processor: Option<T>, wall: T) -> T {
-    let [first, second] = if on_processor { [processor, device] } else { [device, processor] };
-    first.or(second).unwrap_or(wall)
 }
 
 /// Ratio of the times of a row and another, by interleaved runs.
@@ -74,65 +84,72 @@ pub struct Against {
     pub times: Spread,
 }
 
-/// A run of a row, milliseconds.
-#[derive(Clone, Copy)]
-struct Run {
-    device: Option<f64>,
-    processor: Option<f64>,
-    wall: f64,
-}
-
-impl Run {
-    fn steadiest(&self, on_processor: bool) -> f64 {
-        steadiest(on_processor, self.device, self.processor, self.wall)
-    }
-}
-
 /// A row with its resources loaded.
 enum Ready<'a> {
-    Picture(Box<Scene>, Box<Renderer>),
+    Picture(Box<(Scene, Subject, Renderer)>),
     Field(&'a shape::Shape, &'a field::Request),
 }
 
 impl Ready<'_> {
     fn run(&mut self) -> Result<Run, RenderError> {
-        let (start, before) = (Instant::now(), own_processor_time());
-        let (device, compile_ms) = match self {
-            Ready::Picture(scene, renderer) => {
-                renderer.invalidate_shadows();
-                let m = renderer.render(&**scene)?.measurements;
-                (Some(m.device_ms()), m.compile_ms)
-            }
-            Ready::Field(shape, request) => {
-                field::transform(shape, request, &|_| ())?;
-                (None, 0.0)
-            }
-        };
-        let taken = own_processor_time().zip(before).map(|(after, before)| after.saturating_sub(before));
-        let processor = taken.map(|taken| taken.as_secs_f64() * 1e3);
-        Ok(Run { device, processor, wall: start.elapsed().as_secs_f64() * 1e3 - compile_ms })
+        match self {
+            Ready::Picture(picture) => Run::of_picture(&mut picture.2, &picture.0),
+            Ready::Field(shape, request) => Run::of_field(shape, request),
+        }
+    }
+
+    /// Counts the work of a picture of so many fragments.
+    fn counts(&self, gpu: &Gpu, library: &Library, fragments: Option<u64>) -> Result<Option<Counts>, RenderError> {
+        match self {
+            Ready::Picture(picture) => Counts::of(gpu, library, (&picture.0, &picture.1), fragments),
+            Ready::Field(..) => Ok(None),
+        }
     }
 }
 
 /// Times groups of rows, each in turns, `repeats` times after a first run that compiles. If stopped, it returns the groups
-/// that were timed. Errors of rows are part of the result.
+/// that were timed. A row that fails is part of the result, and the others go on, on another device that `open` gives where
+/// this one is lost.
 pub fn measure(
-    gpu: &Gpu,
+    mut gpu: Gpu,
+    open: &dyn Fn() -> Result<Gpu, GpuError>,
     library: &Library,
     groups: &[Vec<Row>],
     repeats: usize,
     progress: &dyn Fn(f32),
     stop: &dyn Fn() -> bool,
 ) -> Bench {
-    let mut bench = Bench::here(gpu);
-    for (number, group) in groups.iter().enumerate() {
-        match timed(gpu, library, group, repeats, bench.on_processor, stop) {
-            Ok(Some(rows)) => bench.rows.extend(rows),
-            Ok(None) => {
-                bench.partial = true;
-                break;
+    let mut bench = Bench::here(&gpu);
+    let mut failed = None;
+    if groups.iter().flatten().any(|row| matches!(row.work, Work::Picture(_))) {
+        match Peaks::of(&gpu, library) {
+            Ok(peaks) => bench.peaks = Some(peaks),
+            Err(error) => failed = Some(("peaks of the device".to_string(), error)),
+        }
+    }
+    'groups: for (number, group) in groups.iter().enumerate() {
+        let mut rows: Vec<&Row> = group.iter().collect();
+        loop {
+            if let Some((name, error)) = failed.take() {
+                bench.failures.push(format!("{name}: {error}"));
+                if matches!(&error, RenderError::Gpu(error) if error.is_lost()) {
+                    match open() {
+                        Ok(other) => gpu = other,
+                        Err(error) => {
+                            bench.failures.push(format!("all rows from {}: {error}", group[0].name));
+                            break 'groups;
+                        }
+                    }
+                }
             }
-            Err(failure) => bench.failures.push(failure),
+            match timed(&gpu, library, &rows, repeats, bench.peaks, stop) {
+                Ok(Some(timed)) => break bench.rows.extend(timed),
+                Ok(None) => {
+                    bench.partial = true;
+                    break 'groups;
+                }
+                Err((index, error)) => failed = Some((rows.remove(index).name.clone(), error)),
+            }
         }
         progress((number + 1) as f32 / groups.len() as f32);
     }
@@ -140,32 +157,30 @@ pub fn measure(
     bench
 }
 
-/// Times a group in turns; `None` if it was stopped.
+/// Times rows in turns, and counts their work; `None` if it was stopped. An error comes with the place of its row.
 fn timed(
     gpu: &Gpu,
     library: &Library,
-    group: &[Row],
+    group: &[&Row],
     repeats: usize,
-    on_processor: bool,
+    peaks: Option<Peaks>,
     stop: &dyn Fn() -> bool,
-) -> Result<Option<Vec<Timed>>, String> {
-    let fails = |row: &Row| {
-        let name = row.name.clone();
-        move |error: RenderError| format!("{name}: {error}")
-    };
+) -> Result<Option<Vec<Timed>>, (usize, RenderError)> {
+    let on_processor = gpu.info().cpu;
     let mut ready = Vec::with_capacity(group.len());
-    for row in group {
+    for (index, row) in group.iter().enumerate() {
         let mut one = match &row.work {
             Work::Picture(scene) => {
-                let subject = Subject::load(&**scene, library, &|_| ()).map_err(fails(row))?;
-                Ready::Picture(scene.clone(), Box::new(Renderer::new(gpu, library, &subject)))
+                let subject = Subject::load(&**scene, library, &|_| ()).map_err(|error| (index, error))?;
+                let renderer = Renderer::new(gpu, library, &subject);
+                Ready::Picture(Box::new(((**scene).clone(), subject, renderer)))
             }
             Work::Field(shape, request) => Ready::Field(shape, request),
         };
         if stop() {
             return Ok(None);
         }
-        one.run().map_err(fails(row))?;
+        one.run().map_err(|error| (index, error))?;
         ready.push(one);
     }
     let mut runs: Vec<Vec<Run>> = vec![Vec::new(); group.len()];
@@ -173,23 +188,72 @@ fn timed(
         if stop() {
             return Ok(None);
         }
-        runs[index].push(ready[index].run().map_err(fails(&group[index]))?);
+        runs[index].push(ready[index].run().map_err(|error| (index, error))?);
     }
     let spread = |times: Option<Vec<f64>>| times.map(|times| Spread::of(&times));
+    let times = |index: usize| runs[index].iter().map(|run| run.steadiest(on_processor)).collect::<Vec<_>>();
     let against = |index: usize| {
-        let (name, what) = group[index].against.as_ref()?;
-        let other = group.iter().position(|row| row.name == *name)?;
-        let times =
-            runs[index].iter().zip(&runs[other]).map(|(a, b)| a.steadiest(on_processor) / b.steadiest(on_processor));
-        Some(Against { what: (*what).into(), times: Spread::of(&times.collect::<Vec<_>>()) })
+        let (names, what) = group[index].against.as_ref()?;
+        let others = (0..group.len()).filter(|other| names.contains(&group[*other].name)).map(times);
+        let fastest = others.min_by(|a, b| Spread::of(a).median.total_cmp(&Spread::of(b).median))?;
+        let times = times(index).iter().zip(fastest).map(|(a, b)| a / b).collect::<Vec<_>>();
+        Some(Against { what: (*what).into(), times: Spread::of(&times) })
     };
-    let timed = |(index, row): (usize, &Row)| Timed {
-        name: row.name.clone(),
-        device_ms: spread(runs[index].iter().map(|run| run.device).collect()),
-        processor_ms: spread(runs[index].iter().map(|run| run.processor).collect()),
-        wall_ms: Spread::of(&runs[index].iter().map(|run| run.wall).collect::<Vec<_>>()),
-        against: against(index),
-        paper_ms: row.paper_ms,
+    let floor = |index: usize| {
+        let (Some(peaks), Some(last)) = (peaks, runs[index].last()) else { return Ok(None) };
+        let counts = ready[index].counts(gpu, library, last.fragments).map_err(|error| (index, error))?;
+        let alone: Vec<f64> = runs[index].iter().map(|run| run.alone * run.steadiest(on_processor)).collect();
+        let ms = |counts: Counts| counts.floor_ms(&peaks);
+        Ok(counts.map(|counts| Floor { counts, ms: ms(counts), times: Spread::of(&alone).median / ms(counts) }))
     };
-    Ok(Some(group.iter().enumerate().map(timed).collect()))
+    let timed = |(index, row): (usize, &&Row)| {
+        Ok(Timed {
+            name: row.name.clone(),
+            device_ms: spread(runs[index].iter().map(|run| run.device).collect()),
+            processor_ms: spread(runs[index].iter().map(|run| run.processor).collect()),
+            wall_ms: Spread::of(&runs[index].iter().map(|run| run.wall).collect::<Vec<_>>()),
+            against: against(index),
+            paper_ms: row.paper_ms,
+            floor: floor(index)?,
+        })
+    };
+    group.iter().enumerate().map(timed).collect::<Result<_, _>>().map(Some)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::suite::library;
+    use super::*;
+    use hypertexture::gpu::Options;
+    use support::faults;
+    use support::validation_lock::ValidationLock;
+
+    #[test]
+    #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+    fn a_row_that_loses_the_device_says_so_and_the_others_go_on() {
+        let _lock = ValidationLock::acquire();
+        faults::turn_on();
+        let open = || {
+            faults::lose(None);
+            Gpu::new(&Options::from_env())
+        };
+        let row = |name: &str| {
+            let mut scene = Scene::default();
+            (scene.object.input, scene.image.size) = ("sphere".into(), [16; 2]);
+            Row { name: name.into(), work: Work::Picture(Box::new(scene)), against: None, paper_ms: None }
+        };
+        let groups = [vec![row("first")], vec![row("lost"), row("third")], vec![row("fourth")]];
+        let lose = |part: f32| {
+            if part < 0.5 {
+                faults::lose(Some("vkQueueSubmit2"));
+            }
+        };
+        let bench = measure(open().unwrap(), &open, &library(), &groups, 2, &lose, &|| false);
+        let names: Vec<&str> = bench.rows.iter().map(|row| row.name.as_str()).collect();
+        assert_eq!(names, ["first", "third", "fourth"]);
+        assert!(bench.failures.len() == 1 && bench.failures[0].starts_with("lost: "), "{:?}", bench.failures);
+        for floor in bench.rows.iter().map(|row| row.floor.unwrap()) {
+            assert!(floor.ms > 0.0 && floor.times.is_finite() && floor.times > 0.0, "{floor:?}");
+        }
+    }
 }
