@@ -5,8 +5,8 @@ use crate::compare::paper::numbers;
 use hypertexture::field::Request;
 use hypertexture::render::{open, request};
 use hypertexture::scene::{
-    self, EFFECTS, EmptySpace, FieldEncoding, LightMethod, Object, ParameterValue, Pass, Proxy, RayPath, Scene,
-    SceneError, ShaderStage, TargetFormat,
+    self, EFFECTS, EmptySpace, FieldEncoding, LightMethod, Object, ParameterValue, Pass, Proxy, Scene, SceneError,
+    ShaderStage, TargetFormat,
 };
 use hypertexture::shader::{self, Library};
 use hypertexture::shape::{Mesh, Shape};
@@ -116,9 +116,6 @@ pub fn stages(quick: bool, names: &[String]) -> Result<Vec<Vec<Row>>, SceneError
             let mut scene = scene::preset(name)?;
             if EFFECTS.contains(&name) {
                 (scene.object.input, scene.object.resolution) = ("teapot".into(), RESOLUTION);
-            }
-            if scene.effect.ray_path == RayPath::Refracted {
-                continue; // by fragment shaders only
             }
             (scene.image.size, scene.quality.samples) = (*size, SAMPLES);
             (scene.quality.pass, scene.quality.msaa, scene.quality.target) = (Pass::March, 1, TargetFormat::Float32);
