@@ -8,8 +8,12 @@ use super::library::Library;
 use super::spirv::{HEADER, Op, StorageClass, encode, instructions};
 use std::collections::{HashMap, HashSet};
 
-/// `ray.glsl` with the number of samples that hold matter in place of blue.
+/// `march.frag` with the number of samples that hold matter in place of blue.
 const RAY: &str = "\
+#version 450
+#include \"interface.glsl\"
+#include \"vector.glsl\"
+#include \"trace.glsl\"
 vec3 position_eye;
 float held = 0.0;
 #define MEETS(matter, k) { vec4 met = matter; held += float(met.a > 0.0); sum += (1.0 - sum.a) * met; }
@@ -37,7 +41,7 @@ impl Library {
 
     /// Rays that give the number of their samples that hold matter in place of blue.
     pub fn noting_matter(&self) -> Library {
-        self.clone().with_file("ray.glsl", RAY)
+        self.clone().with_file("march.frag", RAY)
     }
 }
 
@@ -245,7 +249,8 @@ mod tests {
             Linker::new().unwrap().link(&library, "a.frag", Stage::Fragment, &["a.frag"], &Slots::new()).unwrap();
         let counted = counting(&module, false);
         let constants: Vec<u32> = instructions(&counted)
-            .filter_map(|(op, words)| (op == Op::Constant).then(|| *words.last().unwrap()))
+            .filter(|(op, _)| *op == Op::Constant)
+            .map(|(_, words)| *words.last().unwrap())
             .collect();
         // A row of the matrix, four times; squares, their sum, its root, quotients; the dot product; its multiple; two sums.
         let operations = 4 * 7 + (4 + 3 + 1 + 4) + 5 + 4 + 2 * 4;
