@@ -103,8 +103,9 @@ pub fn table(bench: &Bench) -> String {
         let all = autos.len();
         let _ = writeln!(
             text,
-            "\nauto takes more than {AUTO} times the better stage in {} of {all} rows: {}",
+            "\nauto takes more than {AUTO} times the better stage in {} of {all} rows{}{}",
             slow.len(),
+            if slow.is_empty() { "" } else { ": " },
             slow.join("; ")
         );
     }
