@@ -16,11 +16,12 @@ mod subject;
 #[doc(hidden)] // for the tests of this crate
 pub mod texture;
 pub mod variant;
+mod volume;
 
 pub use camera::{ViewPose, half_height};
 pub use cells::{CellStats, LOOKED_UP, bounded, link as link_cells};
 pub use custom_modules::{FINITE, ModuleFault, try_custom_modules};
-pub use density::{Along, PolygonizeError, Polygons, densities, density_along, polygonize};
+pub use density::{Along, PolygonizeError, Polygons, densities, density_along, polygonize, polygonize_with_looks};
 pub use error::RenderError;
 pub use explain::{describe_frame, octaves_held, same_pictures, unused_overrides, unused_settings, warnings};
 pub use frame::{Renderer, Transmittance, check_depth, paste_areas, render, transmittance};
@@ -28,3 +29,4 @@ pub use inputs::{CpuInputs, ImageInfo, Sparse};
 pub use measurements::{Frame, Measurements};
 pub use subject::{Subject, SubjectRequest, field_margin, open, request};
 pub use variant::{Blocks, OCTAVES_ID};
+pub use volume::{VoxelError, VoxelFit, VoxelGrids, VoxelLeaf, VoxelPlan, VoxelReport, voxelize};

@@ -38,3 +38,4 @@ mod storage;
 mod strategies;
 mod stress;
 mod toolkit;
+mod voxels;

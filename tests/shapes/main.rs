@@ -7,6 +7,7 @@ mod along;
 mod data;
 mod dicom;
 mod field_data;
+mod fog;
 mod gltf;
 mod links;
 mod meta;

@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used)] // clippy sees a test only in `#[test]`, not in what it calls
 
 use glam::Vec3;
-use hypertexture::render::{PolygonizeError, Polygons, Subject, densities, polygonize};
-use hypertexture::scene::{Scene, preset};
+use hypertexture::render::{PolygonizeError, Polygons, Subject, densities, polygonize, polygonize_with_looks};
+use hypertexture::scene::{Color, Scene, preset};
 use hypertexture::shader;
 use hypertexture::shape::Mesh;
 use std::f64::consts::PI;
@@ -138,4 +138,26 @@ fn what_has_no_surface_is_one_line() {
     (thin.object.inner_iso, thin.object.outer_iso) = (-1.2, 0.5);
     let line = try_mesh(&thin, Polygons { grid: 16, density: 1.0 }).unwrap_err().to_string();
     assert!(line.starts_with("no sample has a density of 1: the largest is 0."), "{line}");
+}
+
+#[test]
+fn vertices_have_the_normals_of_the_mesh_and_the_colors_of_the_matter() {
+    let library = shader::shipped();
+    let looks = |scene: &Scene| {
+        let subject = Subject::load(scene, &library, &|_| ()).unwrap();
+        polygonize_with_looks(&library, scene, &subject, POLYGONS, &|_| ()).unwrap()
+    };
+    let mut hard = of("lit", "sphere");
+    hard.material.color = Color([255, 128, 0]);
+    let (mesh, found) = looks(&hard);
+    for (place, (normal, color)) in mesh.positions.iter().zip(found.normals.iter().zip(&found.colors)) {
+        assert!(normal.angle_between(*place).to_degrees() < 6.0, "{place}: {normal}");
+        // sRGB 128 is 0.2159 in linear light, whatever the light of the scene.
+        assert!(Vec3::from(*color).distance(Vec3::new(1.0, 0.2159, 0.0)) < 1e-3, "{place}: {color:?}");
+    }
+    // The transfer map goes from black to white, and the density is just above 0.5.
+    let mut soft = soft_ball();
+    soft.effect.medium = "transfer".into();
+    let (_, found) = looks(&soft);
+    assert!(found.colors.iter().flatten().all(|part| (*part - 0.5).abs() < 0.01), "{:?}", found.colors[0]);
 }

@@ -14,6 +14,7 @@ use super::stress::Stress;
 use super::verify::Verify;
 #[cfg(feature = "viewer")]
 use super::view::ViewArguments;
+use super::volume::Volume;
 use clap::{Args, Parser, Subcommand};
 
 /// Texture and hypertexture volumetric objects: fur, fire, melting and more around a mesh, a scan or a formula.
@@ -45,6 +46,8 @@ pub enum Command {
     Field(Field),
     /// Write the surface of a hypertextured object as a closed mesh. It lies where the density crosses a value.
     Mesh(Box<Mesh>),
+    /// Write density and color as a fog volume, for Blender, Houdini and EmberGen. Formats: OpenVDB, NRRD, .npy.
+    Volume(Box<Volume>),
     /// Render every example scene, or the six effects on one object. A page explains them.
     Gallery(GalleryArguments),
     /// Measure error against run time: noise implementations, samples, blocks, formats and integrations, with a report.

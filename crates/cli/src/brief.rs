@@ -4,7 +4,7 @@ use super::args::Arguments;
 use clap::{Arg, ArgAction, Command, CommandFactory, FromArgMatches};
 
 /// Flags in the short help of each command, and examples.
-const BRIEF: [(&str, &[&str], [&str; 2]); 18] = [
+const BRIEF: [(&str, &[&str], [&str; 2]); 19] = [
     (
         "render",
         &[
@@ -40,8 +40,13 @@ const BRIEF: [(&str, &[&str], [&str; 2]); 18] = [
     ),
     (
         "mesh",
-        &["output", "density", "grid", "effect", "set", "dmf", "iso", "resolution"],
+        &["output", "density", "grid", "frames", "effect", "set", "dmf", "iso", "resolution"],
         ["mesh noisy_sphere -o stone.stl", "mesh knot --effect fur --grid 256 -o knot.glb"],
+    ),
+    (
+        "volume",
+        &["output", "grid", "half", "frames", "json", "effect", "set", "dmf", "iso", "resolution"],
+        ["volume fire_ball -o fire.vdb", "volume teapot --effect fire --half --frames 1..48 -o fire_####.vdb"],
     ),
     ("gallery", &["output", "size", "samples"], ["gallery -o out", "gallery teapot -o out"]),
     (
@@ -78,7 +83,7 @@ const BRIEF: [(&str, &[&str], [&str; 2]); 18] = [
     ("man", &[], ["man | man -l -", "man render > hypertexture-render.1"]),
 ];
 /// Help of the program, with fewer blank lines than clap's.
-const TEMPLATE: &str = "{about}\n{usage-heading} {usage}\n\nCommands:\n{subcommands}\nOptions:\n{options}{after-help}";
+const TEMPLATE: &str = "{about}\n{usage-heading} {usage}\nCommands:\n{subcommands}\nOptions:\n{options}{after-help}";
 /// Examples of the program.
 const FIRST: [&str; 2] = ["render teapot --effect fur -o fur.png", "view fire_ball"];
 

@@ -42,6 +42,7 @@ mod validity;
 mod verify;
 #[cfg(feature = "viewer")]
 mod view;
+mod volume;
 
 pub use program::{FAILED, INTERRUPTED, main};
 pub use session::start;

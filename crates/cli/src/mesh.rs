@@ -3,13 +3,16 @@
 use super::convert::MESH_ENDS;
 use super::picture::say_fault;
 use super::scene_arguments::{ObjectFlags, SceneArguments, files_read};
+use super::sequence::Times;
 use super::{absolute, say, with_progress};
 use clap::Args;
 use hypertexture::output;
-use hypertexture::render::{PolygonizeError, Polygons, Subject, polygonize, try_custom_modules};
+use hypertexture::render::{PolygonizeError, Polygons, Subject, polygonize, polygonize_with_looks, try_custom_modules};
+use hypertexture::scene::Scene;
+use hypertexture::shader::Library;
 use hypertexture::shape::MeshFormat;
 use std::error::Error;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use support::write_whole;
 
 /// Arguments of `mesh`.
@@ -26,6 +29,9 @@ pub struct Mesh {
     /// Samples along the longest side of the mesh, 8 to 512.
     #[arg(long, default_value_t = 128)]
     pub grid: u32,
+    /// The frames.
+    #[command(flatten)]
+    pub times: Times,
     /// The object.
     #[command(flatten)]
     pub object: ObjectFlags,
@@ -40,23 +46,46 @@ pub(super) fn run(command: &Mesh, quiet: bool) -> Result<(), Box<dyn Error>> {
     let known = MeshFormat::from_path(path);
     let format = known.ok_or_else(|| format!("--output {}: end the name in {MESH_ENDS}", path.display()))?;
     let scene = command.arguments.scene(&command.input, &command.object)?;
-    output::check_all([("--output", path.clone())], files_read(&command.input, &scene))?;
+    let scenes = command.times.scenes(&scene, path)?;
+    let outputs = || scenes.iter().map(|(_, path)| ("--output", path.clone()));
+    output::check_all(outputs(), files_read(&command.input, &scene))?;
     let (variant, library) = super::checked(&scene)?;
     super::try_modules(&variant, &library, None)?;
     if scene.camera.clip.is_some() {
         ::log::warn!("camera.clip cuts pictures; the mesh is whole");
     }
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&variant, &library, progress))?;
-    output::check_all([("--output", path.clone())], subject.all_others().cloned())?;
+    output::check_all(outputs(), subject.all_others().cloned())?;
     let fault = try_custom_modules(&library, &variant, &subject)?;
+    for (scene, path) in &scenes {
+        write(command, (&library, scene, &subject), (format, path), quiet)?;
+    }
+    if !quiet {
+        say_fault(fault);
+    }
+    Ok(())
+}
+
+/// Polygonizes a frame and writes it.
+fn write(
+    command: &Mesh,
+    (library, scene, subject): (&Library, &Scene, &Subject),
+    (format, path): (MeshFormat, &Path),
+    quiet: bool,
+) -> Result<(), Box<dyn Error>> {
     let polygons = Polygons { grid: command.grid, density: command.density };
-    let mesh = with_progress(quiet, "mesh", |progress| polygonize(&library, &variant, &subject, polygons, progress))
-        .map_err(|error| match error {
-            PolygonizeError::Grid(_) | PolygonizeError::Density(_) => format!("--{error}").into(),
-            error => Box::<dyn Error>::from(error),
-        })?;
+    let made = with_progress(quiet, "mesh", |progress| match format {
+        MeshFormat::Stl => Ok((polygonize(library, scene, subject, polygons, progress)?, None)),
+        _ => {
+            polygonize_with_looks(library, scene, subject, polygons, progress).map(|(mesh, looks)| (mesh, Some(looks)))
+        }
+    });
+    let (mesh, looks) = made.map_err(|error| match error {
+        PolygonizeError::Grid(_) | PolygonizeError::Density(_) => format!("--{error}").into(),
+        error => Box::<dyn Error>::from(error),
+    })?;
     let mut bytes = Vec::new();
-    format.write(&mesh, &mut bytes)?;
+    format.write_with(&mesh, looks.as_ref(), &mut bytes)?;
     write_whole(path, &bytes).map_err(|error| format!("{}: {error}; nothing was written", path.display()))?;
     if !quiet {
         let (edges, size) = (mesh.edges(), mesh.bounds().max - mesh.bounds().min);
@@ -73,7 +102,6 @@ pub(super) fn run(command: &Mesh, quiet: bool) -> Result<(), Box<dyn Error>> {
             mesh.signed_volume(),
             absolute(path)
         ));
-        say_fault(fault);
     }
     Ok(())
 }

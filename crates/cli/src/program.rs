@@ -7,7 +7,7 @@ use crate::terminal::{UNSAID, complain, say, say_json};
 use crate::{
     bench, brief, compare, convert, doctor, effects, explain, field, gallery, info, log, manual, merge, mesh, paper,
 };
-use crate::{render, settings, stress, verify};
+use crate::{render, settings, stress, verify, volume};
 #[cfg(feature = "viewer")]
 use crate::{
     render_job,
@@ -139,6 +139,7 @@ pub(crate) fn carry_out(command: Command, options: &Options, quiet: bool) -> Res
         Command::Merge(command) => merge::run(&command, quiet),
         Command::Field(command) => field::run(&command, quiet),
         Command::Mesh(command) => mesh::run(&command, quiet),
+        Command::Volume(command) => volume::run(&command, options, quiet),
         Command::Gallery(command) => gallery::run(&command, options, quiet),
         Command::Compare(command) if command.paper => paper::run(&command, options, quiet),
         Command::Compare(command) => compare::run(&command, options, quiet),

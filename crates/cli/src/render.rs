@@ -118,8 +118,11 @@ impl Render {
 
     /// Refuses options and terminals that exclude a picture on standard output.
     fn check_piped(&self) -> Result<(), String> {
-        let also =
-            [("--frames", self.motion.frames.is_some()), ("--shard", self.shard.is_some()), ("--json", self.json)];
+        let also = [
+            ("--frames", self.motion.times.frames.is_some()),
+            ("--shard", self.shard.is_some()),
+            ("--json", self.json),
+        ];
         let also = also.into_iter().find_map(|(flag, is_given)| is_given.then_some(flag));
         match also {
             _ if !self.is_piped() || self.predict => Ok(()),

@@ -7,6 +7,7 @@ use hypertexture::output::sequence::{Frames, Manifest, Sequence, frame_path, man
 use hypertexture::output::shard::{Shard, ShardError};
 use hypertexture::output::{identity, write};
 use hypertexture::render::{Renderer, same_pictures};
+use hypertexture::scene::Scene;
 use serde_json::{Value, json};
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -41,15 +42,40 @@ impl ShardChoice {
     }
 }
 
-/// Arguments of `render` for many frames.
+/// Arguments of many frames.
 #[derive(Args)]
-pub struct Motion {
-    /// Render the frames A to B, both included, at time + k / fps seconds; `####` in the output is the number.
+pub struct Times {
+    /// Make the frames A to B, both included, at time + k / fps seconds; `####` in the output is the number.
     #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
     pub frames: Option<Frames>,
     /// Frames per second [default: 25].
     #[arg(long, requires = "frames", allow_negative_numbers = true)]
     pub fps: Option<f64>,
+}
+
+impl Times {
+    /// Sequence of the arguments, if any.
+    pub fn sequence(&self, turntable: bool) -> Result<Option<Sequence>, Box<dyn Error>> {
+        let Some(frames) = self.frames else { return Ok(None) };
+        let sequence = Sequence { frames, fps: self.fps.unwrap_or(25.0), turntable };
+        sequence.check()?;
+        Ok(Some(sequence))
+    }
+
+    /// The scene of each frame and its file; the scene itself without frames.
+    pub fn scenes(&self, scene: &Scene, output: &Path) -> Result<Vec<(Scene, PathBuf)>, Box<dyn Error>> {
+        let Some(sequence) = self.sequence(false)? else { return Ok(vec![(scene.clone(), output.to_path_buf())]) };
+        let frames = frames_of(output, &sequence, None)?.into_iter();
+        Ok(frames.map(|(frame, path)| (sequence.scene(scene, frame), path)).collect())
+    }
+}
+
+/// Arguments of `render` for many frames.
+#[derive(Args)]
+pub struct Motion {
+    /// The frames.
+    #[command(flatten)]
+    pub times: Times,
     /// Turn the camera once around the object, from the first frame to the one after the last.
     #[arg(long, requires = "frames")]
     pub turntable: bool,
@@ -66,10 +92,7 @@ pub struct Interrupted(pub String);
 impl Motion {
     /// Sequence of the arguments, if any.
     pub fn sequence(&self) -> Result<Option<Sequence>, Box<dyn Error>> {
-        let Some(frames) = self.frames else { return Ok(None) };
-        let sequence = Sequence { frames, fps: self.fps.unwrap_or(25.0), turntable: self.turntable };
-        sequence.check()?;
-        Ok(Some(sequence))
+        self.times.sequence(self.turntable)
     }
 }
 

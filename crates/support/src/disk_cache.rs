@@ -88,7 +88,7 @@ pub fn write(path: &Path, mut bytes: Vec<u8>, kind: Kind) -> io::Result<()> {
     if fs::symlink_metadata(path).is_ok_and(|about| about.is_dir()) {
         fs::remove_dir_all(path)?; // a rename replaces all else
     }
-    replace(path, None, &bytes)?;
+    replace(path, None, |file| file.write_all(&bytes))?;
     evict(folder, kind)
 }
 

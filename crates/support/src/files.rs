@@ -5,7 +5,7 @@
 
 use super::faults::file as may_fail;
 use std::fs::{self, File, TryLockError};
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
@@ -24,12 +24,35 @@ const ABANDONED: Duration = Duration::from_secs(3600);
 /// # Errors
 /// I/O errors, or that the destination is not a plain file. The destination is unchanged then.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    write_whole_by(path, |file| file.write_all(bytes))
+}
+
+/// Writes a file atomically, as [`write_whole`] does, by a function.
+///
+/// # Errors
+/// As [`write_whole`], and those of `fill`.
+pub fn write_whole_by(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     let (path, before) = destination(path)?;
-    replace(&path, before, bytes)
+    replace(&path, before, fill)
+}
+
+/// Bytes free on the file system of a file's folder, if known.
+pub fn free_space(file: &Path) -> Option<u64> {
+    #[cfg(unix)]
+    {
+        let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        rustix::fs::statvfs(folder).ok().map(|about| about.f_bavail.saturating_mul(about.f_frsize))
+    }
+    #[cfg(not(unix))]
+    None
 }
 
 /// Replaces anything but a directory by a file, with `permissions` if given. A link itself is replaced.
-pub(super) fn replace(path: &Path, permissions: Option<fs::Permissions>, bytes: &[u8]) -> io::Result<()> {
+pub(super) fn replace(
+    path: &Path,
+    permissions: Option<fs::Permissions>,
+    fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<()> {
     let temporary = temporary(path);
     let write = || {
         let mut file = create_locked(&temporary)?;
@@ -38,7 +61,10 @@ pub(super) fn replace(path: &Path, permissions: Option<fs::Permissions>, bytes: 
             file.set_permissions(permissions)?;
         }
         may_fail("write")?;
-        file.write_all(bytes)?;
+        let mut buffer = BufWriter::new(&mut file);
+        fill(&mut buffer)?;
+        buffer.flush()?;
+        drop(buffer);
         may_fail("sync")?;
         file.sync_all()?;
         may_fail("rename")?;

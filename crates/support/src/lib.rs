@@ -15,5 +15,5 @@ pub mod watchdog;
 pub mod words;
 
 pub use faults::file as may_fail;
-pub use files::{destination, probe, sweep, write_whole};
+pub use files::{destination, free_space, probe, sweep, write_whole, write_whole_by};
 pub use words::{quoted, significant};

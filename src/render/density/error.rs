@@ -11,7 +11,7 @@ pub enum PolygonizeError {
     #[error(transparent)]
     Render(#[from] RenderError),
     /// The program cannot be evaluated.
-    #[error("no mesh of this scene: {0}")]
+    #[error("the density of this scene cannot be evaluated: {0}")]
     Exact(#[from] ExactError),
     /// The grid is out of range.
     #[error("grid {0}: not in 8 to 512; 64 to 256 suit most objects")]

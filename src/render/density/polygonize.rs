@@ -3,15 +3,16 @@
 //! Invariant: the density is that of the scene's program, evaluated by [`eval`](crate::eval) in f64, so that no formula
 //! is written twice. Blocks of samples are skipped only if bounds prove their side of the surface.
 
+use super::colors::colors;
 use super::error::PolygonizeError;
 use super::program::{Density, DensityProgram};
 use crate::eval::ExactError;
 use crate::field::{LevelSet, Progress};
 use crate::render::subject::Subject;
-use crate::render::variant::Checkable;
+use crate::render::variant::{Checkable, Variant};
 use crate::scene::Object;
 use crate::shader::Library;
-use crate::shape::Mesh;
+use crate::shape::{Looks, Mesh};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -99,6 +100,35 @@ pub fn polygonize(
     polygons: Polygons,
     progress: Progress<'_>,
 ) -> Result<Mesh, PolygonizeError> {
+    Ok(surface(library, &*scene.checked(library)?, subject, polygons, progress)?.0)
+}
+
+/// [`polygonize`] with the normals of the mesh, and the colors of the matter at its vertices, which are those of
+/// [`VoxelLeaf`](crate::render::VoxelLeaf).
+///
+/// # Errors
+/// As [`polygonize`].
+pub fn polygonize_with_looks(
+    library: &Library,
+    scene: &impl Checkable,
+    subject: &Subject,
+    polygons: Polygons,
+    progress: Progress<'_>,
+) -> Result<(Mesh, Looks), PolygonizeError> {
+    let variant = scene.checked(library)?;
+    let (mesh, inside) = surface(library, &variant, subject, polygons, progress)?;
+    let looks = Looks { normals: mesh.vertex_normals(), colors: colors(library, &variant, subject, &inside)? };
+    Ok((mesh, looks))
+}
+
+/// The mesh, and the place of each vertex in object space, moved inside.
+fn surface(
+    library: &Library,
+    variant: &Variant,
+    subject: &Subject,
+    polygons: Polygons,
+    progress: Progress<'_>,
+) -> Result<(Mesh, Vec<DVec3>), PolygonizeError> {
     let Polygons { grid, density } = polygons;
     if !(8..=512).contains(&grid) {
         return Err(PolygonizeError::Grid(grid));
@@ -106,8 +136,7 @@ pub fn polygonize(
     if !(density > 0.0 && density <= 1.0) {
         return Err(PolygonizeError::Density(density));
     }
-    let variant = scene.checked(library)?;
-    let program = DensityProgram::of(library, &variant, subject)?;
+    let program = DensityProgram::of(library, variant, subject)?;
     let (density, view) = (program.bound(f64::from(density))?, &program.view);
     let samples = Samples::around(view.box_min.as_dvec3(), view.box_max.as_dvec3(), grid);
 
@@ -118,10 +147,12 @@ pub fn polygonize(
         let found = crossings(&density, &samples, edges)?;
         let done = done.fetch_add(edges.len(), Ordering::Relaxed) + edges.len();
         progress(0.5 + 0.5 * done as f32 / set.edges.len() as f32);
-        Ok(found.into_iter().map(|place| world(subject, &variant.scene.object, place)).collect())
+        Ok(found)
     });
-    let positions: Vec<Vec<Vec3>> = chunks.collect::<Result<_, ExactError>>()?;
-    Ok(Mesh { positions: positions.concat(), triangles: set.triangles, offset: subject.offset })
+    let found: Vec<[DVec3; 2]> = chunks.collect::<Result<Vec<_>, ExactError>>()?.concat();
+    let positions = found.iter().map(|[place, _]| world(subject, &variant.scene.object, *place)).collect();
+    let mesh = Mesh { positions, triangles: set.triangles, offset: subject.offset };
+    Ok((mesh, found.into_iter().map(|[_, inside]| inside).collect()))
 }
 
 /// Finds the samples inside the surface.
@@ -153,8 +184,8 @@ fn inside(density: &Density<'_>, samples: &Samples, progress: Progress<'_>) -> R
     Ok(inside)
 }
 
-/// Finds the crossings of edges by bisection, object space.
-fn crossings(density: &Density<'_>, samples: &Samples, edges: &[[u32; 2]]) -> Result<Vec<DVec3>, ExactError> {
+/// Finds the crossings of edges by bisection, and the nearest places known to be inside, object space.
+fn crossings(density: &Density<'_>, samples: &Samples, edges: &[[u32; 2]]) -> Result<Vec<[DVec3; 2]>, ExactError> {
     let ends: Vec<[DVec3; 2]> = edges.iter().map(|edge| edge.map(|end| samples.place(samples.of_index(end)))).collect();
     let mut spans = vec![[0.0, 1.0]; edges.len()];
     let middle = |ends: &[DVec3; 2], [from, to]: &[f64; 2]| ends[0].lerp(ends[1], 0.5 * (from + to));
@@ -164,7 +195,7 @@ fn crossings(density: &Density<'_>, samples: &Samples, edges: &[[u32; 2]]) -> Re
             span[usize::from(found < density.level)] = 0.5 * (span[0] + span[1]);
         }
     }
-    Ok(ends.iter().zip(&spans).map(|(ends, span)| middle(ends, span)).collect())
+    Ok(ends.iter().zip(&spans).map(|(ends, span)| [middle(ends, span), ends[0].lerp(ends[1], span[0])]).collect())
 }
 
 /// Converts a place from object space to the world and axes of the object's file.

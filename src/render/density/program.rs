@@ -10,17 +10,12 @@ use crate::render::custom_modules::scattered;
 use crate::render::error::RenderError;
 use crate::render::inputs::CpuInputs;
 use crate::render::subject::Subject;
-use crate::render::variant::{Checkable, OCTAVES_ID, Purpose, Variant};
+use crate::render::variant::{Checkable, OCTAVES_ID, Purpose, Variant, as_density};
 use crate::scene::Projection;
 use crate::shader::{Library, Linker};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Opacity module that returns the density, whatever the path.
-const DENSITY: &str = "// The density in place of the opacity of a path.
-float opacity(float density, float amount) { return density; }
-float segment_opacity(float d0, float d1, float amount) { return 0.5 * (d0 + d1); }
-";
 /// Points in a batch.
 const TOGETHER: usize = 1024;
 
@@ -39,9 +34,7 @@ pub(crate) struct DensityProgram {
 impl DensityProgram {
     /// Links and loads the density of a scene.
     pub fn of(library: &Library, drawn: &Variant, subject: &Subject) -> Result<DensityProgram, PolygonizeError> {
-        let library = library.clone().with_module("opacity", "density", DENSITY);
-        let mut variant = drawn.for_purpose(Purpose::Cells, &library)?;
-        variant.slots.entry("opacity".into()).and_modify(|names| *names = vec!["density".into()]);
+        let (library, variant) = as_density(library, &drawn.for_purpose(Purpose::Cells, library)?);
         let program = variant.program(&library, Linker::new).map_err(RenderError::from)?;
         let cpu_inputs = CpuInputs::new(&library, drawn, subject, &program)?;
         let mut inputs = cpu_inputs.exact();

@@ -14,6 +14,7 @@ mod renderer;
 mod shadow;
 mod submission_budget;
 mod trial;
+mod voxels;
 
 pub use depth::check_depth;
 pub(crate) use early_exit::OpaqueMask;
@@ -22,3 +23,4 @@ pub(crate) use pass::stack;
 pub use pixels::paste_areas;
 pub use renderer::{Renderer, render};
 pub use shadow::{Transmittance, transmittance};
+pub(crate) use voxels::VoxelProgram;

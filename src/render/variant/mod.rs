@@ -4,6 +4,7 @@
 //! parts are neither in the program nor in its layout; [`Program::left_out`] lists them.
 
 pub(crate) mod bindings;
+mod density;
 mod error;
 mod linked;
 mod program;
@@ -11,6 +12,7 @@ mod reflect;
 mod scene_variant;
 
 pub use crate::scene::FORMULAS;
+pub(crate) use density::{as_density, unlit};
 pub use error::VariantError;
 pub(crate) use program::parts;
 pub use program::{Blocks, OCTAVES_ID, Program, why_left_out};

@@ -83,6 +83,8 @@ pub enum Purpose {
     Depth,
     /// A single sample anywhere on a ray: the integrand of a picture.
     Probe,
+    /// Density and color at voxels.
+    Voxels,
 }
 
 impl Purpose {
@@ -93,6 +95,7 @@ impl Purpose {
             Purpose::Cells => ["march.vert", "cell.frag"],
             Purpose::Depth => ["march.vert", "depth.frag"],
             Purpose::Probe => ["march.vert", "probe.frag"],
+            Purpose::Voxels => ["voxels.vert", "voxels.frag"],
         }
     }
 }
@@ -215,7 +218,8 @@ impl Variant {
             if slot == "medium" && library.has_extinction(names) {
                 continue; // it sets the opacity of matter
             }
-            if let Some((_, module)) = SHADOW_SLOTS.iter().find(|(other, _)| *other == slot) {
+            let has_color = purpose == Purpose::Voxels && slot != "shadow";
+            if let Some((_, module)) = SHADOW_SLOTS.iter().find(|(other, _)| *other == slot && !has_color) {
                 *names = vec![module.to_string()];
             } else if slot == "cells" {
                 // A shadow reads no image that the picture does not, and its steps fade octaves differently.

@@ -27,4 +27,5 @@ mod sequences;
 mod shards;
 mod strangers;
 mod verify;
+mod volumes;
 mod worker;

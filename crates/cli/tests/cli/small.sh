@@ -11,7 +11,7 @@ case "$command $*" in
     stress*) small="--samples 4 --resolution 24" ;;
     bench*) small="--repeat 1 effects/lit" ;;
     field*) small="--resolution 24" ;;
-    mesh*) small="--grid 16 --resolution 24" ;;
+    mesh* | volume*) small="--grid 16 --resolution 24" ;;
     gallery*) small="--size 16x16 --samples 8 --resolution 24" ;;
     *--script* | *--frames*) ;;
     view*)

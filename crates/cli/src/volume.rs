@@ -1,0 +1,222 @@
+//! `volume`: the density and color of a hypertextured object, as a fog volume.
+
+use super::scene_arguments::{ObjectFlags, SceneArguments, files_read};
+use super::sequence::Times;
+use super::{absolute, say, say_json, with_device, with_progress};
+use clap::Args;
+use glam::{DMat3, DVec3};
+use hypertexture::gpu::{Gpu, Options};
+use hypertexture::output::{self, PROGRAM};
+use hypertexture::render::variant::Variant;
+use hypertexture::render::{
+    Subject, VoxelError, VoxelGrids, VoxelLeaf, VoxelPlan, VoxelReport, try_custom_modules, voxelize,
+};
+use hypertexture::scene::Scene;
+use hypertexture::shader::Library;
+use hypertexture::shape::{self, Fog, FogGrid, FogLeaf, VolumeFormat};
+use serde_json::{Value, json};
+use std::error::Error;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+use support::{free_space, memory, significant, write_whole_by};
+
+/// Arguments of `volume`.
+#[derive(Args)]
+pub struct Volume {
+    /// An object, a scene file, an example scene, or a picture of this program.
+    pub input: String,
+    /// Output: .vdb, or the density alone as .nrrd or .npy.
+    #[arg(long, short, default_value = "volume.vdb", value_name = "FILE")]
+    pub output: PathBuf,
+    /// Voxels along the longest side, 8 to 2048.
+    #[arg(long, default_value_t = 128)]
+    pub grid: u32,
+    /// Store 16-bit floats.
+    #[arg(long)]
+    pub half: bool,
+    /// Print JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// The frames.
+    #[command(flatten)]
+    pub times: Times,
+    /// The object.
+    #[command(flatten)]
+    pub object: ObjectFlags,
+    /// The scene.
+    #[command(flatten)]
+    pub arguments: SceneArguments,
+}
+
+/// Evaluates the voxels of each frame and writes them.
+pub(super) fn run(command: &Volume, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
+    let path = &command.output;
+    let format = match VolumeFormat::from_path(path) {
+        Some(format @ (VolumeFormat::OpenVdb | VolumeFormat::Nrrd | VolumeFormat::Npy)) => format,
+        _ => return Err(format!("--output {}: end the name in .vdb, .nrrd or .npy", path.display()).into()),
+    };
+    if command.half && format != VolumeFormat::OpenVdb {
+        return Err(format!("--half: {} holds 32-bit floats; write a .vdb", path.display()).into());
+    }
+    let scene = command.arguments.scene(&command.input, &command.object)?;
+    let scenes = command.times.scenes(&scene, path)?;
+    let outputs = || scenes.iter().map(|(_, path)| ("--output", path.clone()));
+    output::check_all(outputs(), files_read(&command.input, &scene))?;
+    let (variant, library) = super::checked(&scene)?;
+    super::try_modules(&variant, &library, Some(options))?;
+    if scene.camera.clip.is_some() {
+        ::log::warn!("camera.clip cuts pictures; the volume is whole");
+    }
+    let subject = with_progress(quiet, "distance field", |progress| Subject::load(&variant, &library, progress))?;
+    output::check_all(outputs(), subject.all_others().cloned())?;
+    let fault = try_custom_modules(&library, &variant, &subject)?;
+    let quiet_lines = quiet || command.json;
+    let (device, written) = with_device(options, |gpu| {
+        let maker = Maker { gpu, library: &library, subject: &subject, format, command, quiet };
+        let written = scenes.iter().map(|(scene, path)| maker.write(scene, path, quiet_lines));
+        Ok((gpu.info().title(), written.collect::<Result<Vec<_>, _>>()?))
+    })?;
+    if command.json {
+        return Ok(say_json(&json!({ "program": PROGRAM, "device": device, "volumes": written }))?);
+    }
+    if !quiet {
+        super::picture::say_fault(fault);
+    }
+    Ok(())
+}
+
+/// What a file holds: names of grids, and the color of all matter if it is not a grid.
+struct Content {
+    names: Vec<&'static str>,
+    color: Option<[f32; 3]>,
+}
+
+type Written = (VoxelReport, Content);
+
+/// Inputs of all frames.
+struct Maker<'a> {
+    gpu: &'a Gpu,
+    library: &'a Library,
+    subject: &'a Subject,
+    format: VolumeFormat,
+    command: &'a Volume,
+    quiet: bool,
+}
+
+impl Maker<'_> {
+    /// Writes the volume of a frame. Result: a summary as JSON.
+    fn write(&self, scene: &Scene, path: &Path, quiet: bool) -> Result<Value, Box<dyn Error>> {
+        let (began, variant) = (Instant::now(), Variant::of(scene, self.library)?);
+        let mut plan =
+            VoxelPlan::of(self.library, &variant, self.subject, self.command.grid).map_err(|error| match error {
+                VoxelError::Grid(_) => format!("--{error}").into(),
+                error => Box::<dyn Error>::from(error),
+            })?;
+        if self.format != VolumeFormat::OpenVdb {
+            self.check_size(plan.voxels(), path)?;
+        }
+        with_progress(self.quiet, "empty space", |progress| plan.prove(progress))?;
+        if self.format == VolumeFormat::OpenVdb {
+            self.check_size(plan.leaves.len() as u64 * u64::from(FogLeaf::SIDE.pow(3)) * VoxelGrids::CHANNELS, path)?;
+        }
+        let (report, grids) = match self.format {
+            VolumeFormat::OpenVdb => self.write_fog(&plan, path, VoxelGrids::of(&variant, self.subject))?,
+            _ => self.write_dense(&plan, path)?,
+        };
+        let seconds = began.elapsed().as_secs_f64();
+        let extinction = f64::from(scene.effect.opacity_rate * self.subject.scale);
+        let VoxelReport { leaves, evaluated, gpu_ms, fit } = report;
+        let floats = if self.command.half { "16-bit floats" } else { "32-bit floats" };
+        if !quiet {
+            let [x, y, z] = plan.size;
+            let [step, rms, largest, thin] =
+                [plan.step, fit.rms, fit.largest, extinction].map(|number| significant(number, 3));
+            let halved = match fit.halved_by {
+                Some(grid) => format!("half of it at --grid {grid}"),
+                None => "its detail is finer than voxels".into(),
+            };
+            say(&format!(
+                "volume     {x} x {y} x {z} voxels of {step} world units; {leaves} leaves of 8 x 8 x 8 hold matter\n\
+                 grids      {}: {floats}{}\n\
+                 error      RMS {rms}, largest {largest} at {} places in these leaves; {halved} (order {:.2})\n\
+                 extinction {thin} times the density per world unit, where it is thin\n\
+                 time       {:.1} s on the device for {evaluated} voxels, {seconds:.1} s in all\nwrote {}\n",
+                grids.names.join(", "),
+                grids.color.map_or(String::new(), |color| format!("; all of the color {color:?}, linear")),
+                fit.places,
+                fit.order,
+                1e-3 * gpu_ms,
+                absolute(path)
+            ));
+        }
+        Ok(json!({
+            "file": absolute(path), "size": plan.size, "voxel": plan.step, "origin": plan.origin.to_array(), "grids": grids.names, "color": grids.color,
+            "leaves": leaves, "evaluated": evaluated, "error": fit, "extinction": extinction, "gpu_ms": gpu_ms,
+            "all_ms": 1e3 * seconds,
+        }))
+    }
+
+    /// Refuses a number of values that memory or disk may not hold.
+    fn check_size(&self, values: u64, path: &Path) -> Result<(), String> {
+        let bytes = values * if self.command.half { 2 } else { 4 };
+        for (place, free) in [("memory", memory::available()), ("on the disk", free_space(path))] {
+            if let Some(free) = free.filter(|free| *free < bytes) {
+                let [bytes, free] = [bytes, free].map(|bytes| bytes >> 20);
+                return Err(format!(
+                    "--grid {}: {} may take {bytes} MiB, and {free} MiB are free {place}; lower it",
+                    self.command.grid,
+                    path.display()
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// Evaluates the voxels; `take` receives the leaves.
+    fn voxelize(
+        &self,
+        plan: &VoxelPlan,
+        take: &mut dyn FnMut(Vec<VoxelLeaf>) -> io::Result<()>,
+    ) -> Result<VoxelReport, VoxelError> {
+        with_progress(self.quiet, "voxels", |progress| {
+            voxelize(self.gpu, self.library, plan, self.subject, self.command.half, take, progress)
+        })
+    }
+
+    fn write_fog(&self, plan: &VoxelPlan, path: &Path, mut grids: VoxelGrids) -> Result<Written, Box<dyn Error>> {
+        let is_half = self.command.half;
+        let mut fog = Fog { origin: plan.origin, step: plan.step, is_half, grids: grids.list(), leaves: Vec::new() };
+        let report = self.voxelize(plan, &mut |leaves| grids.add(&leaves, &mut fog))?;
+        let keep = |grid: &FogGrid| grids.keeps(grid);
+        write_whole_by(path, |file| fog.write(keep, file)).map_err(|error| unwritten(path, error))?;
+        let names = fog.grids.iter().filter(|grid| keep(grid)).map(|grid| grid.name).collect();
+        Ok((report, Content { names, color: grids.flat_color() }))
+    }
+
+    fn write_dense(&self, plan: &VoxelPlan, path: &Path) -> Result<Written, Box<dyn Error>> {
+        let size = plan.size.map(|side| side as usize);
+        let mut values = vec![0.0_f32; size.iter().product()];
+        let report = self.voxelize(plan, &mut |leaves| {
+            for VoxelLeaf { corner, voxels } in leaves {
+                for (index, [.., density]) in voxels.into_iter().enumerate() {
+                    let within = FogLeaf::at(index);
+                    let at = [0, 1, 2].map(|axis| (corner[axis] + within[axis]) as usize);
+                    if at.iter().zip(size).all(|(at, side)| *at < side) {
+                        values[(at[2] * size[1] + at[1]) * size[0] + at[0]] = density;
+                    }
+                }
+            }
+            Ok(())
+        })?;
+        let steps = DMat3::from_diagonal(DVec3::splat(plan.step)).as_mat3();
+        let (origin, content) = (plan.origin.as_vec3(), shape::Content::Scalar);
+        let volume = shape::Volume { size: plan.size, origin, steps, values, content };
+        write_whole_by(path, |file| self.format.write(&volume, file)).map_err(|error| unwritten(path, error))?;
+        Ok((report, Content { names: vec!["density"], color: None }))
+    }
+}
+
+fn unwritten(path: &Path, error: io::Error) -> String {
+    format!("{}: {error}; nothing was written", path.display())
+}

@@ -1,0 +1,151 @@
+//! Volumes and meshes for other programs, read by OpenVDB where Python has it.
+
+use crate::program::{run, unexpected};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+/// A ball whose density falls from 1 at a radius of 0.75 to 0 at 1.35.
+const BALL: &str = "[object]\ninput = \"sphere\"\ninner_iso = -0.25\nouter_iso = 0.35\n\
+     [effect]\nclassify = \"soft\"\nsoftness = \"linear\"\nmedium = \"transfer\"\n";
+
+/// Standard output of what must succeed.
+fn good(folder: &Path, arguments: &str) -> String {
+    let output = run(folder, arguments);
+    assert!(output.status.success(), "`{arguments}`: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// The grids of a file by OpenVDB; `None`, with a message, without it.
+fn grids(folder: &Path, file: &str) -> Option<Value> {
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/cli/fog.py");
+    let named = std::env::var("HYPERTEXTURE_PYTHON");
+    for python in named.iter().map(String::as_str).chain(["python3", "/usr/bin/python3"]) {
+        let Ok(output) = Command::new(python).arg(script).arg(folder.join(file)).output() else { continue };
+        if output.status.code() != Some(77) {
+            assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+            return Some(serde_json::from_slice(&output.stdout).unwrap());
+        }
+    }
+    eprintln!("skipped: no Python with openvdb (apt-get install python3-openvdb)");
+    None
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn openvdb_reads_the_grids_their_places_and_their_values() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::write(folder.join("ball.toml"), BALL).unwrap();
+    for flags in ["", "--half"] {
+        let said: Value =
+            serde_json::from_str(&good(folder, &format!("volume ball.toml --grid 40 {flags} --json -o b.vdb")))
+                .unwrap();
+        let made = &said["volumes"][0];
+        let Some(all) = grids(folder, "b.vdb") else { return };
+        let names: Vec<&String> = all.as_object().unwrap().keys().collect();
+        assert_eq!(names, ["color", "density", "temperature"]);
+        let step = made["voxel"].as_f64().unwrap();
+        assert!((step - 2.7 / 37.0).abs() < 1e-6, "{step}"); // a voxel is outside at each end
+        let close = if flags.is_empty() { 2e-5 } else { 6e-4 };
+        for (name, grid) in all.as_object().unwrap() {
+            let kind = if name == "color" { "vec3s" } else { "float" };
+            assert_eq!(
+                (&grid["type"], &grid["class"], &grid["half"]),
+                (&kind.into(), &"fog volume".into(), &(!flags.is_empty()).into()),
+                "{name}"
+            );
+            assert_eq!(grid["metadata"]["file_voxel_count"], grid["active"], "{name}");
+            let origin = grid["origin"].as_array().unwrap().iter().map(|part| part.as_f64().unwrap());
+            let origin: Vec<f64> = origin.collect();
+            assert!(grid["step"].as_array().unwrap().iter().all(|side| (side.as_f64().unwrap() - step).abs() < 1e-9));
+            let values = grid["values"].as_array().unwrap();
+            assert_eq!(grid["active"], values.len());
+            // The voxels within the radius, in their volume.
+            let expected = 4.0 / 3.0 * std::f64::consts::PI * (1.35 / step).powi(3);
+            assert!((values.len() as f64 / expected - 1.0).abs() < 0.02, "{} {expected}", values.len());
+            for item in values {
+                let world = [0, 1, 2].map(|axis| origin[axis] + step * item[axis].as_f64().unwrap());
+                let radius = world.iter().map(|part| part * part).sum::<f64>().sqrt();
+                let density = ((1.35 - radius) / 0.6).clamp(0.0, 1.0);
+                let (value, close) = match &item[3] {
+                    Value::Array(color) => (color[1].as_f64().unwrap(), 5e-3),
+                    value => (value.as_f64().unwrap(), if name == "density" { close } else { 5e-3 }),
+                };
+                // Hard matter has the color of its surface.
+                assert!(
+                    (value - density).abs() < close || density >= 1.0 && name != "density",
+                    "{name} {item} {density}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn frames_of_volumes_and_meshes_are_numbered_and_move() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let said = good(folder, "volume torus --effect fire --grid 24 --frames 3..4 --fps 2 -o f_##.vdb");
+    assert!(said.contains("density, color, temperature, vel: 32-bit floats"), "{said}");
+    let [a, b] = ["f_03.vdb", "f_04.vdb"].map(|name| fs::read(folder.join(name)).unwrap());
+    assert!(a != b, "nothing moves");
+    if let Some(all) = grids(folder, "f_03.vdb") {
+        // The flames rise by 0.6 object units a second, and the torus is as wide as two.
+        let speeds = all["vel"]["values"].as_array().unwrap().iter().map(|item| item[3][1].as_f64().unwrap());
+        assert!(speeds.clone().count() > 100 && speeds.into_iter().all(|speed| (speed - 0.6).abs() < 1e-6));
+    }
+    for (end, both) in [("ply", "property uchar red"), ("obj", "vn "), ("glb", "COLOR_0")] {
+        good(folder, &format!("mesh noisy_sphere --grid 16 --frames 1..2 -o m.{end}"));
+        let bytes = fs::read(folder.join(format!("m_0001.{end}"))).unwrap();
+        assert!(String::from_utf8_lossy(&bytes).contains(both), "{end}");
+        assert!(folder.join(format!("m_0002.{end}")).exists());
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn dense_formats_hold_the_same_density() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::write(folder.join("ball.toml"), BALL).unwrap();
+    for end in ["nrrd", "npy"] {
+        good(folder, &format!("volume ball.toml --grid 24 -o d.{end}"));
+    }
+    let about: Value = serde_json::from_str(&good(folder, "info d.nrrd --json")).unwrap();
+    assert!(about.to_string().contains("[24,24,24]"), "{about}");
+    let bytes = fs::read(folder.join("d.npy")).unwrap();
+    assert_eq!(bytes.len(), 128 + 4 * 24 * 24 * 24);
+    let value = |[x, y, z]: [usize; 3]| {
+        let at = 128 + 4 * ((z * 24 + y) * 24 + x);
+        f32::from_le_bytes(bytes[at..at + 4].try_into().unwrap())
+    };
+    // Beside the middle, and along x at 6 voxels of 2.7 / 21 from it.
+    assert_eq!((value([11, 11, 12]), value([0, 12, 12])), (1.0, 0.0));
+    let radius = (2.7_f32 / 21.0) * (6.5_f32 * 6.5 + 0.5).sqrt();
+    assert!((value([18, 12, 11]) - (1.35 - radius) / 0.6).abs() < 1e-5);
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn bad_requests_get_one_line_and_leave_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for (arguments, said) in [
+        ("volume sphere -o a.mha", "end the name in .vdb, .nrrd or .npy"),
+        ("volume sphere --half -o a.npy", "--half: a.npy holds 32-bit floats; write a .vdb"),
+        ("volume sphere --grid 4000 -o a.vdb", "--grid 4000: not in 8 to 2048"),
+        ("volume sphere --effect lit --dmf scaled --set density_factor=0 --grid 16 -o a.vdb", "has a density above 0"),
+        ("volume cube --effect lit --grid 2048 -o a.npy", "32768 MiB"),
+        ("volume sphere --frames 2..1 -o a.vdb", "A..B"),
+        ("volume sphere --fps 2 -o a.vdb", "--frames"),
+    ] {
+        let output = run(folder, arguments);
+        let line = unexpected(&output);
+        assert_eq!((output.status.code(), line.lines().count()), (Some(2), 1), "{arguments}: {line}");
+        assert!(line.contains(said), "{arguments}: {line}");
+        assert!(!folder.join("a.vdb").exists() && !folder.join("a.npy").exists(), "{arguments}");
+    }
+}

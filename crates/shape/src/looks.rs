@@ -1,0 +1,40 @@
+//! Normals and colors of the vertices of a mesh.
+
+use super::Mesh;
+use glam::{DVec3, Vec3};
+
+/// Normal and color of each vertex of a mesh.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Looks {
+    /// Unit vectors outward.
+    pub normals: Vec<Vec3>,
+    /// Linear RGB in \[0, 1\].
+    pub colors: Vec<[f32; 3]>,
+}
+
+impl Looks {
+    /// The color of a vertex in sRGB, \[0, 1\].
+    pub fn srgb(&self, vertex: usize) -> [f32; 3] {
+        self.colors[vertex].map(|linear| match linear.clamp(0.0, 1.0) {
+            low if low <= 0.003_130_8 => 12.92 * low,
+            high => 1.055 * high.powf(1.0 / 2.4) - 0.055,
+        })
+    }
+}
+
+impl Mesh {
+    /// Unit normal of each vertex: the mean of its triangles' by their angles (Thürmer and Wüthrich 1998); 0 without triangles.
+    pub fn vertex_normals(&self) -> Vec<Vec3> {
+        let mut normals = vec![DVec3::ZERO; self.positions.len()];
+        for (index, triangle) in self.triangles.iter().enumerate() {
+            let corners = self.corners(index).map(Vec3::as_dvec3);
+            for at in 0..3 {
+                let [here, next, last] = [0, 1, 2].map(|more| corners[(at + more) % 3]);
+                let (a, b) = (next - here, last - here);
+                let normal = a.cross(b);
+                normals[triangle[at] as usize] += normal.normalize_or_zero() * normal.length().atan2(a.dot(b));
+            }
+        }
+        normals.into_iter().map(|normal| normal.normalize_or_zero().as_vec3()).collect()
+    }
+}
