@@ -27,8 +27,8 @@ float fire(float density, inout Sample s) {
     float deep = fury * mix(0.8, 1.5, height);                   // MJ 6: varying with height
     vec3 p = flame_scale * vec3(1.0, 0.45, 1.0) * (s.x - vec3(0.0, rise * time, 0.0));
     // Nothing is left even of a flame as long as flames get, upward, where the fetches of the gradient are saved.
-    float most = 1.0001 * density + 1e-6, rate = deep * (1.35 - density);
-    float torn = turbulence(p, flame_scale * sample_width(), most / max(rate, 1e-6));
+    float most = 1.0001 * density + 1e-6, rate = deep * (1.35 - density), enough = most / max(rate, 1e-6);
+    float torn = turbulence(p, flame_scale * sample_width(), enough);
     if (rate * torn >= most) return 0.0;
     s.wide_normal = wide_normal(s);
     float up = smoothstep(-0.8, 0.9, s.wide_normal.y);
