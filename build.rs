@@ -52,13 +52,13 @@ fn main() -> Result<(), Box<dyn Error>> {
             let name = format!("program_{:03}", programs.len());
             for (entry, stage, end) in [(entries[0], Stage::Vertex, "vert"), (entries[1], Stage::Fragment, "frag")] {
                 let spirv = linker.link(&library, entry, stage, &entries, &slots).map_err(|error| fail(&error))?;
-                let bytes: Vec<u8> = spirv.iter().flat_map(|word| word.to_le_bytes()).collect();
                 let file = fs::File::create(out.join(format!("{name}.{end}")))?;
-                DeflateEncoder::new(file, Compression::best()).write_all(&bytes)?; // dropping it ends the stream
+                DeflateEncoder::new(file, Compression::best()).write_all(&bytes(&spirv))?; // dropping it ends the stream
             }
             programs.push((key(&slots), name));
         }
     }
+    blocks(&out, &library, &linker)?;
     window(&out)?;
     programs.sort();
     programs.dedup_by(|a, b| a.0 == b.0);
@@ -75,17 +75,32 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Compiles the window's program, which is not part of the library.
+/// Compiles the program that makes noise blocks, for each module of weights.
+fn blocks(out: &Path, library: &Library, linker: &Linker) -> Result<(), Box<dyn Error>> {
+    for weights in library.modules("weights") {
+        let modules = [("weights", weights), ("wrap", "repeat"), ("bandlimit", "none")];
+        let slots: Slots = modules.map(|(slot, name)| (slot.to_string(), vec![name.to_string()])).into();
+        let spirv = linker.link(library, "block.comp", Stage::Compute, &["block.comp"], &slots)?;
+        fs::write(out.join(format!("block_{weights}.comp")), bytes(&spirv))?;
+    }
+    Ok(())
+}
+
+/// The bytes of SPIR-V.
+fn bytes(spirv: &[u32]) -> Vec<u8> {
+    spirv.iter().flat_map(|word| word.to_le_bytes()).collect()
+}
+
+/// Compiles the window's programs, which are not part of the library.
 fn window(out: &Path) -> Result<(), Box<dyn Error>> {
-    const FILES: [(&str, Stage); 2] = [("window.vert", Stage::Vertex), ("window.frag", Stage::Fragment)];
-    println!("cargo::rerun-if-changed=src/gpu/window.vert");
-    println!("cargo::rerun-if-changed=src/gpu/window.frag");
+    const FILES: [&str; 3] = ["window.vert", "window.frag", "encode.comp"];
+    FILES.iter().for_each(|name| println!("cargo::rerun-if-changed=src/gpu/{name}"));
     let folder = PathBuf::from(env::var("CARGO_MANIFEST_DIR")?).join("src/gpu");
     let text = |name: &str| Ok::<_, std::io::Error>((name.to_string(), fs::read_to_string(folder.join(name))?));
-    let library = Library::new(FILES.iter().map(|(name, _)| text(name)).collect::<Result<Vec<_>, _>>()?);
-    for (name, stage) in FILES {
-        let spirv = Linker::new()?.link(&library, name, stage, &[name], &Slots::new())?;
-        fs::write(out.join(name), spirv.iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<u8>>())?;
+    let library = Library::new(FILES.map(text).into_iter().collect::<Result<Vec<_>, _>>()?);
+    for name in FILES {
+        let spirv = Linker::new()?.link(&library, name, Stage::of(name), &[name], &Slots::new())?;
+        fs::write(out.join(name), bytes(&spirv))?;
     }
     Ok(())
 }

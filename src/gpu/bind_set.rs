@@ -28,6 +28,8 @@ pub enum BindingKind {
     Sampler,
     /// An image that a compute shader writes.
     Storage,
+    /// A buffer that a compute shader writes.
+    Words,
 }
 
 impl BindingKind {
@@ -37,6 +39,7 @@ impl BindingKind {
             BindingKind::Image => vk::DescriptorType::SAMPLED_IMAGE,
             BindingKind::Sampler => vk::DescriptorType::SAMPLER,
             BindingKind::Storage => vk::DescriptorType::STORAGE_IMAGE,
+            BindingKind::Words => vk::DescriptorType::STORAGE_BUFFER,
         }
     }
 }
@@ -52,6 +55,8 @@ pub enum Resource {
     Sampler(Arc<Sampler>),
     /// An image that a compute shader writes.
     Storage(Arc<Image>),
+    /// A buffer that a compute shader writes.
+    Words(Arc<Buffer>),
 }
 
 impl Resource {
@@ -61,6 +66,7 @@ impl Resource {
             Resource::Image(_) => BindingKind::Image,
             Resource::Sampler(_) => BindingKind::Sampler,
             Resource::Storage(_) => BindingKind::Storage,
+            Resource::Words(_) => BindingKind::Words,
         }
     }
 }
@@ -110,8 +116,8 @@ impl BindSet {
         let mut image = [vk::DescriptorImageInfo::default()];
         let mut buffer = [vk::DescriptorBufferInfo::default()];
         let write = match resource {
-            Resource::Uniform(uniform) => {
-                buffer[0] = buffer[0].buffer(uniform.handle).range(vk::WHOLE_SIZE);
+            Resource::Uniform(own) | Resource::Words(own) => {
+                buffer[0] = buffer[0].buffer(own.handle).range(vk::WHOLE_SIZE);
                 write.buffer_info(&buffer)
             }
             Resource::Image(sampled) => {

@@ -17,9 +17,11 @@ pub enum BufferUse {
     Upload,
     /// The destination of a download.
     Download,
+    /// Texels that a compute shader writes, and their copy reads.
+    Words,
 }
 
-/// A buffer in memory that the CPU can access.
+/// A buffer, in memory that the CPU can access unless a compute shader writes it.
 pub struct Buffer {
     gpu: Gpu,
     pub(super) handle: vk::Buffer,
@@ -29,12 +31,18 @@ pub struct Buffer {
 
 impl Buffer {
     /// Creates an unwritten buffer.
-    pub(super) fn empty(gpu: &Gpu, name: &str, purpose: BufferUse, bytes: u64) -> Result<Buffer, GpuError> {
+    ///
+    /// # Errors
+    /// Device memory is exhausted.
+    pub fn empty(gpu: &Gpu, name: &str, purpose: BufferUse, bytes: u64) -> Result<Buffer, GpuError> {
         let (usage, location) = match purpose {
             BufferUse::Uniform => (vk::BufferUsageFlags::UNIFORM_BUFFER, MemoryLocation::CpuToGpu),
             BufferUse::Vertices => (vk::BufferUsageFlags::VERTEX_BUFFER, MemoryLocation::CpuToGpu),
             BufferUse::Upload => (vk::BufferUsageFlags::TRANSFER_SRC, MemoryLocation::CpuToGpu),
             BufferUse::Download => (vk::BufferUsageFlags::TRANSFER_DST, MemoryLocation::GpuToCpu),
+            BufferUse::Words => {
+                (vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_SRC, MemoryLocation::GpuOnly)
+            }
         };
         let device = &gpu.0.device;
         let info = vk::BufferCreateInfo::default().size(bytes.max(1)).usage(usage);
@@ -68,6 +76,11 @@ impl Buffer {
     /// Content after a submission that made it visible to the CPU.
     pub(super) fn content(&self) -> &[u8] {
         self.allocation.mapped_slice().map(|slice| &slice[..self.bytes as usize]).unwrap_or_default()
+    }
+
+    /// Bytes of the content.
+    pub(super) fn bytes(&self) -> u64 {
+        self.bytes
     }
 }
 

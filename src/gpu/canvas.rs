@@ -179,7 +179,7 @@ impl Canvas {
 
     /// Draws triangles into a window of `size` pixels. `triangles` takes the size of the image and gives their corners, three
     /// for each, and the batches from back to front. Textures are updated even if the window is hidden; those of `freed` are
-    /// freed after this drawing.
+    /// freed after this drawing. `pictures` are textures that the device has made.
     ///
     /// # Errors
     /// A call fails; [`GpuError::is_lost`] says whether another device may help.
@@ -188,6 +188,7 @@ impl Canvas {
         size: [u32; 2],
         textures: &[CanvasTexture],
         freed: impl IntoIterator<Item = u64>,
+        pictures: impl IntoIterator<Item = (u64, Arc<Image>)>,
         triangles: impl FnOnce([u32; 2]) -> (Vec<Vertex>, Vec<Batch>),
     ) -> Result<Presented, GpuError> {
         // Textures in use must not change.
@@ -199,6 +200,12 @@ impl Canvas {
         let gpu = self.surface.gpu.clone();
         for texture in textures {
             self.set_texture(&gpu, texture)?;
+        }
+        for (id, image) in pictures {
+            if self.textures.get(&id).is_none_or(|own| !Arc::ptr_eq(&own.image, &image)) {
+                let texture = self.texture(image, None)?;
+                self.textures.insert(id, texture);
+            }
         }
         self.freed.extend(freed);
         let presented = self.present(&gpu, size, triangles)?;
@@ -217,12 +224,17 @@ impl Canvas {
             None => {
                 let (plane, sampled) = (Dimension::Plane(*width, *height), ImageUse::Sampled);
                 let image = Arc::new(Image::new(gpu, "texture of the window", plane, Format::Rgba8Unorm, sampled)?);
-                let (own, sampler) = (Resource::Image(image.clone()), Resource::Sampler(self.sampler.clone()));
-                let set = self.pipeline.bind(&[(TEXTURE, own), (SAMPLER, sampler)])?;
-                self.textures.insert(*id, Texture { image, set, fresh });
+                let texture = self.texture(image, fresh)?;
+                self.textures.insert(*id, texture);
             }
         }
         Ok(())
+    }
+
+    /// Binds an image as a texture.
+    fn texture(&self, image: Arc<Image>, fresh: Option<Buffer>) -> Result<Texture, GpuError> {
+        let (own, sampler) = (Resource::Image(image.clone()), Resource::Sampler(self.sampler.clone()));
+        Ok(Texture { image, set: self.pipeline.bind(&[(TEXTURE, own), (SAMPLER, sampler)])?, fresh })
     }
 
     fn present(
@@ -331,6 +343,6 @@ fn transition(gpu: &Gpu, buffer: vk::CommandBuffer, image: vk::Image, to: vk::Im
 }
 
 /// The words of SPIR-V.
-fn words(bytes: &[u8]) -> Vec<u32> {
+pub(super) fn words(bytes: &[u8]) -> Vec<u32> {
     bytes.chunks_exact(4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]])).collect()
 }

@@ -82,19 +82,25 @@ impl Commands<'_> {
     pub(super) fn upload(&mut self, from: &Buffer, to: &Image) {
         let layout = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
         self.transition(to, layout);
-        let mut offset = 0;
-        let region = |(mip_level, extent): (u32, &vk::Extent3D)| {
-            let layers = vk::ImageSubresourceLayers { mip_level, ..LAYERS };
-            let region = vk::BufferImageCopy::default().buffer_offset(offset).image_subresource(layers);
-            offset += to.level_bytes(*extent);
-            region.image_extent(*extent)
-        };
-        let regions: Vec<vk::BufferImageCopy> = (0..).zip(&to.levels).map(region).collect();
+        let regions = level_regions(to);
         // SAFETY: the image is in the layout named, and the buffer holds exactly the texels of its levels.
         unsafe {
             self.gpu.0.device.cmd_copy_buffer_to_image(self.buffer, from.handle, to.handle, layout, &regions);
         }
         self.sample(to);
+    }
+
+    /// Copies all levels of a sampled image into a buffer.
+    #[cfg(test)]
+    pub(super) fn download_levels(&mut self, from: &Image, to: &Buffer) {
+        let layout = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
+        self.transition(from, layout);
+        let regions = level_regions(from);
+        // SAFETY: as for `upload`.
+        unsafe {
+            self.gpu.0.device.cmd_copy_image_to_buffer(self.buffer, from.handle, layout, to.handle, &regions);
+        }
+        self.sample(from);
     }
 
     /// Copies areas of a target into a buffer one after another, visible to the CPU.
@@ -224,6 +230,44 @@ impl Commands<'_> {
         }
     }
 
+    /// Runs `groups` groups of a compute pipeline that writes words, with the constants of `glsl/block.comp`.
+    pub fn write_words(&mut self, pipeline: &Pipeline, set: &BindSet, constants: [u32; 4], groups: u32) {
+        let device = &self.gpu.0.device;
+        // SAFETY: as for `dispatch`.
+        unsafe {
+            let point = vk::PipelineBindPoint::COMPUTE;
+            device.cmd_bind_pipeline(self.buffer, point, pipeline.handle);
+            device.cmd_bind_descriptor_sets(self.buffer, point, pipeline.layout, 0, &[set.handle], &[]);
+            let (stage, bytes) = (vk::ShaderStageFlags::COMPUTE, bytemuck::cast_slice(&constants));
+            device.cmd_push_constants(self.buffer, pipeline.layout, stage, 0, bytes);
+            device.cmd_dispatch(self.buffer, groups, 1, 1);
+        }
+    }
+
+    /// Copies written words into planes of a mip level of a sampled image, and transitions the image for sampling.
+    pub fn copy_planes(&mut self, from: &Buffer, to: &Image, mip_level: u32, planes: Range<u32>) {
+        use vk::{AccessFlags2 as Access, PipelineStageFlags2 as Stage};
+        let written = [vk::MemoryBarrier2::default()
+            .src_stage_mask(Stage::COMPUTE_SHADER)
+            .src_access_mask(Access::SHADER_STORAGE_WRITE)
+            .dst_stage_mask(Stage::COPY)
+            .dst_access_mask(Access::TRANSFER_READ)];
+        let layout = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
+        self.transition(to, layout);
+        let extent = vk::Extent3D { depth: planes.len() as u32, ..to.levels[mip_level as usize] };
+        let region = vk::BufferImageCopy::default()
+            .image_subresource(vk::ImageSubresourceLayers { mip_level, ..LAYERS })
+            .image_offset(vk::Offset3D { z: planes.start as i32, ..Default::default() })
+            .image_extent(extent);
+        // SAFETY: as for `upload`; the buffer holds the texels of the planes.
+        unsafe {
+            let dependency = vk::DependencyInfo::default().memory_barriers(&written);
+            self.gpu.0.device.cmd_pipeline_barrier2(self.buffer, &dependency);
+            self.gpu.0.device.cmd_copy_buffer_to_image(self.buffer, from.handle, to.handle, layout, &[region]);
+        }
+        self.sample(to);
+    }
+
     /// Transitions an image for sampling.
     pub fn sample(&mut self, image: &Image) {
         self.transition(image, vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
@@ -246,6 +290,18 @@ impl Commands<'_> {
         // SAFETY: the command buffer is being recorded outside a rendering, and the image belongs to the device.
         unsafe { self.gpu.0.device.cmd_pipeline_barrier2(self.buffer, &dependency) };
     }
+}
+
+/// Copies of all levels of an image, one after the other in a buffer.
+fn level_regions(image: &Image) -> Vec<vk::BufferImageCopy> {
+    let mut offset = 0;
+    let region = |(mip_level, extent): (u32, &vk::Extent3D)| {
+        let layers = vk::ImageSubresourceLayers { mip_level, ..LAYERS };
+        let region = vk::BufferImageCopy::default().buffer_offset(offset).image_subresource(layers);
+        offset += image.level_bytes(*extent);
+        region.image_extent(*extent)
+    };
+    (0..).zip(&image.levels).map(region).collect()
 }
 
 /// Stages and accesses that use an image in a layout.

@@ -140,6 +140,13 @@ impl Gpu {
         Gpu::with_instance(options, Instance::new(options.validation, &[])?, &[], |_, _| true)
     }
 
+    /// Takes a device that was just opened for a GPU.
+    #[cfg(test)]
+    pub(crate) fn taken_for_a_gpu(mut self) -> Gpu {
+        std::sync::Arc::get_mut(&mut self.0).into_iter().for_each(|shared| shared.info.cpu = false);
+        self
+    }
+
     /// Opens the best device of an instance, with a queue family that `fits` and with extensions.
     pub(super) fn with_instance(
         options: &Options,

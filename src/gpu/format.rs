@@ -32,7 +32,7 @@ pub enum Format {
 
 impl Format {
     /// Formats of images that compute shaders write.
-    pub(super) const STORED: [Format; 2] = [Format::R32Float, Format::Rgba32Float];
+    pub(super) const STORED: [Format; 3] = [Format::R32Float, Format::Rgba8Unorm, Format::Rgba32Float];
 
     /// Bytes of one texel.
     pub fn bytes(self) -> u64 {

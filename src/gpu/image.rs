@@ -73,7 +73,10 @@ impl Image {
     }
 
     /// Creates an image without content, with as many mip levels as `texels` texels fill.
-    fn with_texels(
+    ///
+    /// # Errors
+    /// As [`Image::new`].
+    pub fn with_texels(
         gpu: &Gpu,
         name: &str,
         dimension: Dimension,
@@ -93,7 +96,10 @@ impl Image {
         let extent = vk::Extent3D { width: size[0], height: size[1], depth: size[2] };
         let levels = levels(extent, texels);
         let (usage, samples) = match purpose {
-            ImageUse::Sampled => (vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST, 1),
+            ImageUse::Sampled => {
+                let read = if cfg!(test) { vk::ImageUsageFlags::TRANSFER_SRC } else { Default::default() };
+                (vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST | read, 1)
+            }
             ImageUse::SampledTarget => (vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::SAMPLED, 1),
             ImageUse::Target(1) => {
                 let drawn = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::SAMPLED;
@@ -196,21 +202,28 @@ impl Image {
     /// # Errors
     /// Memory is exhausted, or the download fails.
     pub fn read(&self) -> Result<Vec<[f32; 4]>, GpuError> {
-        self.read_areas(&[Area::whole([self.extent.width, self.extent.height])])
+        self.read_areas(&[Area::whole([self.extent.width, self.extent.height])], &mut None)
     }
 
-    /// Reads the texels of areas of a target one after another, each row by row.
+    /// Reads the texels of areas of a target one after another, each row by row, through a `buffer` that is made if it is
+    /// missing or too small: devices take milliseconds to allocate one.
     ///
     /// # Errors
     /// Those of [`Image::read`].
     ///
     /// # Panics
     /// If an area is empty or exceeds the image.
-    pub fn read_areas(&self, areas: &[Area]) -> Result<Vec<[f32; 4]>, GpuError> {
+    pub fn read_areas(&self, areas: &[Area], buffer: &mut Option<Buffer>) -> Result<Vec<[f32; 4]>, GpuError> {
         let vk::Extent3D { width, height, .. } = self.extent;
         let within = |area: &Area| area.pixels() > 0 && area.columns.end <= width && area.rows.end <= height;
         assert!(areas.iter().all(within), "{areas:?} of {width} x {height}");
-        Ok(self.format.decode(self.download(areas)?.content()))
+        let bytes = areas.iter().map(Area::pixels).sum::<u64>() * self.format.bytes();
+        let buffer = match buffer {
+            Some(made) if made.bytes() >= bytes => made,
+            _ => buffer.insert(Buffer::empty(&self.gpu, "download", BufferUse::Download, bytes)?),
+        };
+        self.gpu.submit("download", |commands| commands.download(self, areas, buffer))?;
+        Ok(self.format.decode(&buffer.content()[..bytes as usize]))
     }
 
     /// Passes the texels of a single-sampled target, row by row, to a function without a copy.
@@ -222,15 +235,19 @@ impl Image {
     /// If its format is not [`Format::Rgba32Float`].
     pub fn read_with<T>(&self, take: impl FnOnce(&[[f32; 4]]) -> T) -> Result<T, GpuError> {
         assert_eq!(self.format, Format::Rgba32Float);
-        let buffer = self.download(&[Area::whole([self.extent.width, self.extent.height])])?;
+        let (all, bytes) = (Area::whole([self.extent.width, self.extent.height]), self.level_bytes(self.extent));
+        let buffer = Buffer::empty(&self.gpu, "download", BufferUse::Download, bytes)?;
+        self.gpu.submit("download", |commands| commands.download(self, &[all], &buffer))?;
         Ok(take(bytemuck::cast_slice(buffer.content())))
     }
 
-    fn download(&self, areas: &[Area]) -> Result<Buffer, GpuError> {
-        let bytes = areas.iter().map(Area::pixels).sum::<u64>() * self.format.bytes();
+    /// Reads the texels of all mip levels of a sampled image, in the order of an upload.
+    #[cfg(test)]
+    pub(crate) fn read_levels(&self) -> Result<Vec<u8>, GpuError> {
+        let bytes = self.levels.iter().map(|level| self.level_bytes(*level)).sum();
         let buffer = Buffer::empty(&self.gpu, "download", BufferUse::Download, bytes)?;
-        self.gpu.submit("download", |commands| commands.download(self, areas, &buffer))?;
-        Ok(buffer)
+        self.gpu.submit("download", |commands| commands.download_levels(self, &buffer))?;
+        Ok(buffer.content().to_vec())
     }
 
     /// Records the layout after new commands, and returns the previous one.

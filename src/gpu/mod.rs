@@ -18,6 +18,8 @@ mod buffer;
 mod canvas;
 mod commands;
 mod device;
+#[cfg(feature = "window")]
+mod encoder;
 mod error;
 mod faults;
 mod format;
@@ -44,6 +46,8 @@ pub use buffer::{Buffer, BufferUse};
 pub use canvas::{Batch, Canvas, CanvasTexture, Presented, Vertex};
 pub use commands::{Area, Commands, Draw, Load, Target};
 pub use device::{Gpu, Options};
+#[cfg(feature = "window")]
+pub use encoder::Encoder;
 pub use error::GpuError;
 use error::Named;
 pub use format::Format;

@@ -126,7 +126,7 @@ impl Pipeline {
 
     /// Whether the pipeline is one of a compute shader.
     pub fn is_compute(&self) -> bool {
-        self.bindings.iter().any(|binding| binding.kind == BindingKind::Storage)
+        self.bindings.iter().any(|binding| matches!(binding.kind, BindingKind::Storage | BindingKind::Words))
     }
 
     /// Creates a descriptor set for a draw.

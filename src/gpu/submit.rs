@@ -4,7 +4,7 @@ use super::{Commands, Gpu, GpuError, Named};
 use ash::vk;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
-use support::watchdog::{Excess, Watchdog};
+use support::watchdog::Watchdog;
 
 /// Timeout of a submission. Lower: slow devices fail on large images. Higher: a hang goes unnoticed; desktops reset the
 /// device after two seconds anyway.
@@ -88,18 +88,23 @@ impl Gpu {
         Ok(Submitted { gpu_ms, wall_ms, fragments })
     }
 
-    /// Waits for a fence for a minute. A driver on the CPU has until it has used a minute of processor time, or none for
-    /// three: a loaded machine is slow without a hang.
+    /// Waits for a fence for a minute. After it, a driver on the CPU has until it has used another one of processor time,
+    /// or none for three: a loaded machine is slow without a hang.
     pub(super) fn wait_for(&self, fence: vk::Fence, what: &str) -> Result<(), GpuError> {
         self.0.waits.fetch_add(1, Ordering::Relaxed);
         let (limit, start) = (Duration::from_secs(TIMEOUT_SECONDS), Instant::now());
-        let mut watch = Watchdog::new(std::process::id(), limit, u64::MAX);
-        let mut patience = limit;
+        let (mut watch, mut patience) = (None, limit);
         loop {
             let is_awaited = || self.info().cpu && start.elapsed() >= limit;
             // SAFETY: the fence belongs to the device.
             match unsafe { self.0.device.wait_for_fences(&[fence], true, patience.as_nanos() as u64) } {
-                Err(vk::Result::TIMEOUT) if is_awaited() && watch.excess() != Some(Excess::Time) => {
+                Err(vk::Result::TIMEOUT)
+                    if is_awaited()
+                        && watch
+                            .get_or_insert_with(|| Watchdog::new(std::process::id(), limit, u64::MAX))
+                            .excess()
+                            .is_none() =>
+                {
                     patience = Duration::from_secs(1);
                 }
                 Err(vk::Result::TIMEOUT) => {

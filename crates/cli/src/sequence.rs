@@ -5,14 +5,16 @@ use super::{absolute, with_progress};
 use clap::Args;
 use hypertexture::output::sequence::{Frames, Manifest, Sequence, frame_path, manifest_path};
 use hypertexture::output::shard::{Shard, ShardError};
-use hypertexture::output::{identity, write};
-use hypertexture::render::{Renderer, same_pictures};
+use hypertexture::output::{Provenance, identity, write};
+use hypertexture::render::{Frame, Renderer, same_pictures};
 use hypertexture::scene::Scene;
 use serde_json::{Value, json};
 use std::error::Error;
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
+use std::thread;
 use std::time::Instant;
 
 /// Frames that are compared to detect a still sequence.
@@ -138,25 +140,44 @@ pub fn render_frames(
     let mut rendered = 0;
     with_progress(quiet, "frames", |progress| -> Result<(), Box<dyn Error>> {
         let left: Vec<_> = frames.iter().filter(|(frame, path)| !manifest.has(*frame, path)).collect();
-        for (frame, path) in &left {
-            if stop.load(Ordering::Relaxed) {
-                let finished = frames.len() - left.len() + rendered;
-                return Err(Interrupted(format!(
-                    "interrupted: {finished} of {} frames are finished; the same command, without --restart, renders the \
-                     others",
-                    frames.len()
-                ))
-                .into());
+        let (mut next, mut drawn, depth) = (left.iter(), None, picture.depth());
+        type Drawn<'a> = (u32, &'a Path, Frame, Provenance);
+        let mut save = |(number, path, frame, provenance): Drawn<'_>| -> Result<(), Box<dyn Error + Send + Sync>> {
+            write(&frame, scene.image.background, depth, &provenance, path)?;
+            Ok(manifest.add(number, path)?)
+        };
+        loop {
+            let next = if stop.load(Ordering::Relaxed) { None } else { next.next() };
+            // A frame is written while the next one is drawn.
+            let (made, written) = thread::scope(|scope| {
+                let save = &mut save;
+                let writing = drawn.take().map(|drawn| scope.spawn(move || save(drawn)));
+                let made = next.map(|(number, path)| -> Result<_, Box<dyn Error>> {
+                    let scene = sequence.scene(scene, *number);
+                    let frame = renderer.render(&scene)?;
+                    let provenance = picture.provenance(&scene, &frame)?;
+                    Ok((*number, path.as_path(), frame, provenance))
+                });
+                (made.transpose(), writing.map(|thread| thread.join().unwrap_or_else(|panic| resume_unwind(panic))))
+            });
+            if let Some(written) = written {
+                written.map_err(|error| -> Box<dyn Error> { error })?;
+                rendered += 1;
+                progress(rendered as f32 / left.len() as f32);
             }
-            let scene = sequence.scene(scene, *frame);
-            let drawn = renderer.render(&scene)?;
-            let provenance = picture.provenance(&scene, &drawn)?;
-            write(&drawn, scene.image.background, picture.depth(), &provenance, path)?;
-            manifest.add(*frame, path)?;
-            rendered += 1;
-            progress(rendered as f32 / left.len() as f32);
+            drawn = made?;
+            if drawn.is_none() {
+                break;
+            }
         }
-        Ok(())
+        if rendered == left.len() {
+            return Ok(());
+        }
+        let (finished, all) = (frames.len() - left.len() + rendered, frames.len());
+        Err(Interrupted(format!(
+            "interrupted: {finished} of {all} frames are finished; the same command, without --restart, renders the others"
+        ))
+        .into())
     })?;
     let (kept, seconds) = (frames.len() - rendered, start.elapsed().as_secs_f64());
     tell(&format!("frames     {rendered} rendered in {seconds:.1} s, {kept} were finished before\n"));

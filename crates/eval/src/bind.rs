@@ -68,7 +68,8 @@ impl Program {
                 let needed = format!("one with {} axes", pair.axes);
                 return Err(ExactError::Unfit { binding: pair.image, found, needed });
             }
-            images.push(Image::new(texture.size, &texture.texels, wrap, pair.axes));
+            let slack = inputs.inexact.get(&pair.image).copied().unwrap_or(0.0);
+            images.push(Image::new(texture.size, &texture.texels, wrap, pair.axes, slack.into()));
         }
         let values = code.sources.iter().map(|(reg, source)| constant(inputs, blocks, reg.file, *source));
         Ok(BoundProgram { code, images, values: values.collect::<Result<_, _>>()?, uniforms: UniformCache::default() })

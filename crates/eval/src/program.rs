@@ -33,6 +33,8 @@ pub struct Inputs {
     /// Noise in place of images: coordinates are in lattice cells, the level selects the [`Knots`](noise::Knots). The
     /// gradient is in RGB, the value in A.
     pub noises: BTreeMap<u32, Lattice>,
+    /// Bounds of the differences between the texels of images and those that a device reads.
+    pub inexact: BTreeMap<u32, f32>,
 }
 
 impl Program {

@@ -38,6 +38,8 @@ pub struct Image<'a> {
     coarser: Option<Box<Image<'a>>>,
     /// Ranges over boxes, built at the first lookup of a large one.
     pyramid: OnceLock<Pyramid>,
+    /// Bound of the difference between a texel and that of a device.
+    pub(crate) slack: f64,
     /// Noise in place of texels.
     pub(crate) noise: Option<Lattice>,
 }
@@ -86,15 +88,15 @@ fn wrapped(index: i64, count: u32, wrap: Wrap) -> usize {
 
 impl<'a> Image<'a> {
     /// An image from the texels of all its levels.
-    pub(crate) fn new(size: [u32; 3], texels: &'a [[f32; 4]], wrap: Wrap, axes: usize) -> Image<'a> {
+    pub(crate) fn new(size: [u32; 3], texels: &'a [[f32; 4]], wrap: Wrap, axes: usize, slack: f64) -> Image<'a> {
         let (texels, rest) = texels.split_at(count(size));
-        let coarser = (!rest.is_empty()).then(|| Box::new(Image::new(halved(size), rest, wrap, axes)));
-        Image { size, texels, wrap, axes, coarser, pyramid: OnceLock::new(), noise: None }
+        let coarser = (!rest.is_empty()).then(|| Box::new(Image::new(halved(size), rest, wrap, axes, slack)));
+        Image { size, texels, wrap, axes, coarser, pyramid: OnceLock::new(), slack, noise: None }
     }
 
     /// An image of noise; its levels select the knots.
     pub(crate) fn of_noise(noise: Lattice) -> Image<'a> {
-        Image { noise: Some(noise), ..Image::new([0; 3], &[], Wrap::Repeat, 3) }
+        Image { noise: Some(noise), ..Image::new([0; 3], &[], Wrap::Repeat, 3, 0.0) }
     }
 
     /// The channels at a point; fractional levels are interpolated.
@@ -259,7 +261,7 @@ impl<'a> Image<'a> {
             }
         }
         std::array::from_fn(|c| {
-            let margin = 32.0 * f64::EPSILON * largest[c];
+            let margin = self.slack + 32.0 * f64::EPSILON * largest[c];
             [low[c] - margin, high[c] + margin]
         })
     }
@@ -271,7 +273,7 @@ impl<'a> Image<'a> {
             ..FEW => range(self.size.map(|side| side as usize), of, |index| [self.texels[index]; 2]),
             _ => self.pyramid.get_or_init(|| Pyramid::new(self.size, self.texels)).range(of, longest),
         };
-        [0, 1, 2, 3].map(|channel| [least[channel], most[channel]].map(f64::from))
+        [0, 1, 2, 3].map(|channel| [f64::from(least[channel]) - self.slack, f64::from(most[channel]) + self.slack])
     }
 
     /// The one or two ranges of texels of a range of indices.

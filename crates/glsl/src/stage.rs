@@ -7,16 +7,17 @@ pub enum Stage {
     Vertex,
     /// Fragment shader.
     Fragment,
-    /// Compute shader: a fragment shader's file that is compiled with the macro `COMPUTE`.
+    /// Compute shader, compiled with the macro `COMPUTE`: its own file, or that of a fragment shader.
     Compute,
 }
 
 impl Stage {
-    /// Stage of an entry file by the end of its name: `.vert`, `.frag#compute`, and any other for a fragment shader.
+    /// Stage of an entry file by the end of its name: `.vert`, `.comp` or `.frag#compute`, and any other for a fragment
+    /// shader.
     pub fn of(entry: &str) -> Stage {
         match entry.rsplit('.').next() {
             Some("vert") => Stage::Vertex,
-            Some("frag#compute") => Stage::Compute,
+            Some("comp" | "frag#compute") => Stage::Compute,
             _ => Stage::Fragment,
         }
     }

@@ -2,7 +2,8 @@
 
 use egui::epaint::{ImageData, ImageDelta, Primitive};
 use egui::{ClippedPrimitive, Color32, ColorImage, TextureId, TexturesDelta};
-use hypertexture::gpu::{self, Area, Batch, CanvasTexture, Gpu, GpuError, Options, Presented, Vertex, WindowHandle};
+use hypertexture::gpu::{self, Area, Batch, CanvasTexture, Gpu, GpuError, Image};
+use hypertexture::gpu::{Options, Presented, Vertex, WindowHandle};
 use std::sync::Arc;
 
 /// A device that draws egui into a window.
@@ -27,6 +28,7 @@ impl Canvas {
     }
 
     /// Draws a frame of egui into a window of `size` pixels. Textures are updated in any case, as egui sends a change once.
+    /// `pictures` are the user's textures of egui.
     ///
     /// # Errors
     /// Those of [`gpu::Canvas::draw`].
@@ -36,6 +38,7 @@ impl Canvas {
         mut changes: TexturesDelta,
         primitives: &[ClippedPrimitive],
         pixels_per_point: f32,
+        pictures: &[Arc<Image>],
     ) -> Result<Presented, GpuError> {
         let mut textures = Vec::new();
         for (id, deltas) in changes.set.drain() {
@@ -48,7 +51,8 @@ impl Canvas {
             }
         }
         let freed: Vec<u64> = changes.free.drain().map(number).collect();
-        self.canvas.draw(size, &textures, freed, |size| triangles(primitives, size, pixels_per_point))
+        let pictures = (0..).zip(pictures).map(|(index, image)| (number(TextureId::User(index)), image.clone()));
+        self.canvas.draw(size, &textures, freed, pictures, |size| triangles(primitives, size, pixels_per_point))
     }
 
     /// Completes a partial update of the font texture.

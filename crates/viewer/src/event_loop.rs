@@ -231,7 +231,7 @@ impl EventHandler {
 
     /// Drops everything on the device and returns the window.
     fn close(&mut self) -> Option<Arc<Window>> {
-        self.app.worker = None;
+        self.app.leave_device();
         self.state.take().map(|state| state.window)
     }
 
@@ -312,7 +312,7 @@ impl EventHandler {
         if held.is_none() {
             let primitives = state.context.tessellate(output.shapes, output.pixels_per_point);
             let textures = std::mem::take(&mut state.textures);
-            shown = state.canvas.draw(size, textures, &primitives, output.pixels_per_point)?;
+            shown = state.canvas.draw(size, textures, &primitives, output.pixels_per_point, self.app.pictures())?;
             self.shown += u64::from(shown != Presented::Hidden);
             if self.hidden != (shown == Presented::Hidden) {
                 self.hidden = !self.hidden;

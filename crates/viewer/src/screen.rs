@@ -3,6 +3,7 @@
 use super::compare::{CompareMode, Comparison};
 use egui::epaint::Vertex;
 use egui::{Color32, ColorImage, Mesh, Rect, Shape, TextureHandle, TextureId, TextureOptions, Ui, Vec2, pos2};
+use hypertexture::gpu::Image;
 use hypertexture::render::ViewPose;
 use hypertexture::scene::{Color, linear_to_srgb};
 use rayon::prelude::*;
@@ -61,6 +62,39 @@ fn shown(pixel: &[f32; 4], background: Option<[f32; 3]>) -> Color32 {
     Color32::from_rgba_premultiplied(r, g, b, (255.0 * (1.0 - through)).round() as u8)
 }
 
+/// Encoded pictures, one for each variant.
+pub(crate) enum Encoded {
+    /// On the host.
+    Host(Vec<ColorImage>),
+    /// On the device, over these backgrounds.
+    Device(Vec<Arc<Image>>, Vec<Option<Color>>),
+}
+
+impl Default for Encoded {
+    fn default() -> Encoded {
+        Encoded::Host(Vec::new())
+    }
+}
+
+impl Encoded {
+    /// The images of the device.
+    pub(super) fn of_device(&self) -> &[Arc<Image>] {
+        if let Encoded::Device(images, _) = self { images } else { &[] }
+    }
+}
+
+/// What a picture is encoded over, for [`Encoder::encode`](hypertexture::gpu::Encoder::encode).
+pub(super) fn behind(background: Option<Color>) -> [[f32; 4]; 2] {
+    let with = |color: Color, code: f32| {
+        let [r, g, b] = color.linear();
+        [r, g, b, code]
+    };
+    match background {
+        Some(color) => [with(color, 0.0); 2],
+        None => BEHIND.map(|grey| with(Color([grey; 3]), f32::from(grey) / 255.0)),
+    }
+}
+
 /// Encodes pictures over their backgrounds, or with alpha.
 pub(super) fn encode_srgb(frames: &[&[[f32; 4]]], backgrounds: &[Option<Color>], size: [u32; 2]) -> Vec<ColorImage> {
     let encode = |(frame, background): (&&[[f32; 4]], &Option<Color>)| {
@@ -104,8 +138,8 @@ pub(super) type Frame = Arc<[[f32; 4]]>;
 #[derive(Default)]
 pub(super) struct Screen {
     textures: Vec<TextureHandle>,
-    /// Images for the next upload, kept for the replacement of a lost device.
-    images: Vec<ColorImage>,
+    /// The encoded pictures; those of the host are kept for the replacement of a lost device.
+    pub(super) images: Encoded,
     fresh: bool,
     /// Whether a pixel is transparent.
     is_clear: bool,
@@ -120,10 +154,24 @@ pub(super) struct Screen {
 
 impl Screen {
     /// Receives the images of a picture and its linear pixels.
-    pub(super) fn take(&mut self, images: Vec<ColorImage>, frames: Vec<Frame>, size: [u32; 2]) {
-        self.is_clear = images.iter().any(|image| image.pixels.par_iter().any(|pixel| !pixel.is_opaque()));
+    pub(super) fn take(&mut self, images: Encoded, frames: Vec<Frame>, size: [u32; 2]) {
+        self.is_clear = match &images {
+            Encoded::Host(images) => images.iter().any(|own| own.pixels.par_iter().any(|pixel| !pixel.is_opaque())),
+            Encoded::Device(_, backgrounds) => {
+                let is_clear = |frame: &Frame| frame.par_iter().any(|[.., alpha]| *alpha < 1.0);
+                frames.iter().zip(backgrounds).any(|(frame, background)| background.is_none() && is_clear(frame))
+            }
+        };
         (self.images, self.frames, self.size) = (images, frames, size);
         (self.fresh, self.difference) = (true, None);
+    }
+
+    /// Moves pictures of the device to the host.
+    pub(super) fn leave_device(&mut self) {
+        if let Encoded::Device(_, backgrounds) = &self.images {
+            let frames: Vec<&[[f32; 4]]> = self.frames.iter().map(|frame| &**frame).collect();
+            self.images = Encoded::Host(encode_srgb(&frames, backgrounds, self.size));
+        }
     }
 
     /// Drops the textures of a lost device.
@@ -134,8 +182,8 @@ impl Screen {
 
     /// Draws the picture or the comparison, reprojected to the current view.
     pub(super) fn draw(&mut self, ui: &Ui, place: Rect, comparison: &Comparison) {
-        if std::mem::take(&mut self.fresh) {
-            for (index, image) in self.images.iter().enumerate() {
+        if let (Encoded::Host(images), true) = (&self.images, std::mem::take(&mut self.fresh)) {
+            for (index, image) in images.iter().enumerate() {
                 match self.textures.get_mut(index) {
                     Some(texture) => texture.set(image.clone(), TextureOptions::LINEAR),
                     None => {
@@ -144,28 +192,39 @@ impl Screen {
                     }
                 }
             }
-            self.textures.truncate(self.images.len());
+            self.textures.truncate(images.len());
         }
+        let (textures, corner): (Vec<TextureId>, Option<Color32>) = match &self.images {
+            Encoded::Host(images) => {
+                let corner = images.first().and_then(|image| image.pixels.first());
+                (self.textures.iter().map(TextureHandle::id).collect(), corner.copied())
+            }
+            Encoded::Device(images, backgrounds) => {
+                let pixel = self.frames.first().and_then(|frame| frame.first()).zip(backgrounds.first());
+                let corner = pixel.map(|(pixel, background)| shown(pixel, background.map(Color::linear)));
+                ((0..images.len() as u64).map(TextureId::User).collect(), corner)
+            }
+        };
         let painter = ui.painter_at(place);
-        match self.images.first().and_then(|image| image.pixels.first()) {
+        match corner {
             // A reprojected picture leaves gaps at its sides, which get the color of its corner.
-            Some(corner) if !self.is_clear => drop(painter.rect_filled(place, 0.0, *corner)),
+            Some(corner) if !self.is_clear => drop(painter.rect_filled(place, 0.0, corner)),
             _ => drop(painter.add(Shape::mesh(checkerboard(place, ui.ctx().pixels_per_point())))),
         }
-        let part = |texture: &TextureHandle, from: f32, to: f32| {
+        let part = |texture: TextureId, from: f32, to: f32| {
             let within = |part: f32| egui::lerp(place.x_range(), part);
             let rect = Rect::from_x_y_ranges(within(from)..=within(to), place.y_range());
             let uv = Rect::from_min_max(pos2(from, 0.0), pos2(to, 1.0));
             match self.moved {
-                None => painter.image(texture.id(), rect, uv, Color32::WHITE),
+                None => painter.image(texture, rect, uv, Color32::WHITE),
                 Some((seen, now)) => {
-                    let mesh = mesh(texture.id(), place, |at| seen.reproject(&now, at));
+                    let mesh = mesh(texture, place, |at| seen.reproject(&now, at));
                     painter.with_clip_rect(rect).add(Shape::mesh(mesh))
                 }
             };
         };
-        match (self.textures.as_slice(), comparison.mode) {
-            ([now, kept], CompareMode::Wipe) => {
+        match (textures.as_slice(), comparison.mode) {
+            (&[now, kept], CompareMode::Wipe) => {
                 part(kept, 0.0, comparison.at);
                 part(now, comparison.at, 1.0);
             }
@@ -176,10 +235,10 @@ impl Screen {
                     let texture = ui.ctx().load_texture("difference", image, TextureOptions::LINEAR);
                     self.difference = Some((texture, comparison.gain));
                 }
-                self.difference.iter().for_each(|(texture, _)| part(texture, 0.0, 1.0));
+                self.difference.iter().for_each(|(texture, _)| part(texture.id(), 0.0, 1.0));
             }
-            ([_, kept], CompareMode::Kept) => part(kept, 0.0, 1.0),
-            ([now, ..], _) => part(now, 0.0, 1.0),
+            (&[_, kept], CompareMode::Kept) => part(kept, 0.0, 1.0),
+            (&[now, ..], _) => part(now, 0.0, 1.0),
             ([], _) => {}
         }
     }
@@ -259,7 +318,8 @@ mod tests {
         let squares = |clear: bool, pixels_per_point: f32| {
             let mut screen = Screen::default();
             let pixel = if clear { [0.0; 4] } else { [0.0, 0.0, 0.0, 1.0] };
-            screen.take(encode_srgb(&[&[pixel; 2]], &[None], [2, 1]), vec![[pixel; 2].into()], [2, 1]);
+            let images = Encoded::Host(encode_srgb(&[&[pixel; 2]], &[None], [2, 1]));
+            screen.take(images, vec![[pixel; 2].into()], [2, 1]);
             let context = egui::Context::default();
             context.set_pixels_per_point(pixels_per_point);
             let output = context.run_ui(egui::RawInput::default(), |ui| screen.draw(ui, place, &Comparison::default()));
@@ -289,7 +349,7 @@ mod tests {
         let place = Rect::from_min_max(pos2(100.0, 50.0), pos2(300.0, 150.0));
         let images = vec![ColorImage::filled([2, 2], Color32::RED), ColorImage::filled([2, 2], Color32::BLUE)];
         let mut screen = Screen::default();
-        screen.take(images, frames, [2, 2]);
+        screen.take(Encoded::Host(images), frames, [2, 2]);
         let context = egui::Context::default();
         let mut drawn = |comparison: Comparison| {
             let output = context.run_ui(egui::RawInput::default(), |ui| screen.draw(ui, place, &comparison));

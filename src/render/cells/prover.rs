@@ -7,7 +7,7 @@ use crate::eval::{self, F32Interval, Fingerprint, Interval};
 use crate::noise::Lattice;
 use crate::render::camera::FrameContext;
 use crate::render::error::RenderError;
-use crate::render::inputs::{ImageInfo, Inputs, Values, blocks_at, texture, wrap};
+use crate::render::inputs::{ImageInfo, Inputs, Values, apart, blocks_at, texture, wrap};
 use crate::render::variant::{OCTAVES_ID, Program, Purpose, Resource, Variant, VariantError};
 use crate::shader::{Library, Linker};
 use rayon::prelude::*;
@@ -42,7 +42,7 @@ const KEPT_FROM_MS: f64 = 20.0;
 /// Some ten thousand proofs.
 const KIND: Kind = Kind { ends: &["cells"], limit: 64 << 20 };
 /// Increment when proofs change.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// Prover of a program's cells, loaded for the first picture that it pays for.
 pub(super) enum CellProver {
@@ -178,9 +178,11 @@ impl BoundedProgram {
         hash.update(format!("{noise:?}").as_bytes());
         let hash = hash.finalize();
         let images = images.iter().map(|(binding, image)| (*binding, texture(image))).collect();
+        let of_device = |own: &Resource| Some((own.binding, apart(&frame.variant.scene, &own.name)?));
+        let inexact = program.resources.iter().filter_map(of_device).collect();
         let samplers = samplers.iter().map(|(binding, filter)| (*binding, wrap(filter.address))).collect();
         let noises = place.zip(noise).into_iter().collect();
-        let inputs = eval::Inputs { images, samplers, noises, ..eval::Inputs::default() };
+        let inputs = eval::Inputs { images, samplers, noises, inexact, ..eval::Inputs::default() };
         let reads = Arc::new(Reads { members: program.members_read(), program });
         Ok(BoundedProgram { reads, code, fingerprint, inputs, texels, hash })
     }

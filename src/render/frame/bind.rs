@@ -1,10 +1,11 @@
 //! Inputs of a program on the device: uniform buffers, images and samplers.
 
+use crate::field::Progress;
 use crate::gpu::{self, Buffer, BufferUse, Gpu, Image, Sampler, Uploads};
 use crate::render::camera::{FrameContext, SubFrame};
 use crate::render::cells::{self, BackgroundCells, CellStats, EmptyCells, Tiles};
 use crate::render::error::RenderError;
-use crate::render::inputs::{Encoded, Filter, ImageInfo, Inputs, Sparse, StoredObjects, Values, blocks};
+use crate::render::inputs::{Encoded, Filter, ImageInfo, Inputs, Sparse, StoredObjects, Values, block_image, blocks};
 use crate::render::variant::{Blocks, OCTAVES_ID, PICTURE_BINDING, Program, Resource, Use, bindings};
 use crate::scene::Scene;
 use crate::shader::Library;
@@ -42,6 +43,7 @@ impl BoundInputs {
         inputs: &Inputs,
         is_cut: bool,
         is_recorded: bool,
+        progress: Progress<'_>,
     ) -> Result<BoundInputs, RenderError> {
         let uploads = Uploads::default();
         let upload = |(binding, image): &(u32, Encoded)| {
@@ -51,13 +53,17 @@ impl BoundInputs {
             }
             Ok((*binding, own))
         };
+        let mut images = inputs.images.iter().map(upload).collect::<Result<Vec<_>, RenderError>>()?;
+        for (binding, block) in &inputs.blocks {
+            images.push((*binding, Arc::new(block_image(gpu, block, progress)?)));
+        }
         let sampler = |(binding, filter): &(u32, Filter)| {
             Ok((*binding, Arc::new(Sampler::new(gpu, filter.address, filter.anisotropy)?)))
         };
         let cells = (is_cut || program.reads(bindings::CELLS)).then(|| EmptyCells::new(library));
         Ok(BoundInputs {
             blocks: Vec::new(),
-            images: inputs.images.iter().map(upload).collect::<Result<_, RenderError>>()?,
+            images,
             samplers: inputs.samplers.iter().map(sampler).collect::<Result<_, RenderError>>()?,
             sparse: inputs.sparse,
             holds_parameters: inputs.holds_parameters,

@@ -68,6 +68,8 @@ pub(crate) struct Prepared {
     pub(super) pipelines: Pipelines,
     /// Render target, and its resolve target with multisampling.
     pub(super) targets: Option<(Arc<gpu::Image>, Option<gpu::Image>)>,
+    /// Buffer through which pictures are read.
+    download: Option<Buffer>,
     /// Early exit of slices.
     marks: Option<OpaqueMask>,
     compile_ms: f64,
@@ -100,10 +102,12 @@ impl Prepared {
         let quality = &scene.quality;
         let bound = reusable.bound.map_or_else(
             || {
-                let inputs = Inputs::new(library, frame, &program, progress)?;
                 let is_recorded = destination != Destination::Frame;
+                // A host's scene is prepared without submissions; and a CPU bakes faster by rows than by texels.
+                let on_device = !is_recorded && !gpu.info().cpu;
+                let inputs = Inputs::without_blocks(library, frame, &program, progress, on_device)?;
                 let is_cut = !is_recorded && quality.pass == Pass::Slices;
-                BoundInputs::new(gpu, library, &program, &inputs, is_cut, is_recorded)
+                BoundInputs::new(gpu, library, &program, &inputs, is_cut, is_recorded, progress)
             },
             Ok,
         )?;
@@ -136,7 +140,24 @@ impl Prepared {
             Destination::Frame => Some(targets(gpu, scene, format)?),
         };
         let (gpu, whole) = (gpu.clone(), frame.whole);
-        Ok(Prepared { gpu, variant, destination, program, bound, pipelines, targets, marks, compile_ms, whole })
+        Ok(Prepared {
+            gpu,
+            variant,
+            destination,
+            program,
+            bound,
+            pipelines,
+            targets,
+            download: None,
+            marks,
+            compile_ms,
+            whole,
+        })
+    }
+
+    /// The target, unless it has several samples per pixel.
+    pub(crate) fn latest(&self) -> Option<&Arc<gpu::Image>> {
+        self.targets.as_ref().filter(|(_, resolved)| resolved.is_none()).map(|(color, _)| color)
     }
 
     /// Whether this serves another scene: one that differs only in per-picture values or in size.
@@ -350,9 +371,10 @@ impl Prepared {
                     pass::march(gpu, pipeline, &set, (tiles.of_rays(), frame.planes.count), target, &mut control)?
                 }
             });
-            let texels = resolved.as_ref().unwrap_or(color).read_areas(areas)?;
+            let texels = resolved.as_ref().unwrap_or(color).read_areas(areas, &mut self.download)?;
             // Only two-phase programs mark cut rays; custom modules may return any alpha.
-            if self.variant.uses_two_phase() && texels.iter().any(|[.., alpha]| *alpha < CUT_SHORT) {
+            let least = |part: &[[f32; 4]]| part.iter().fold(f32::MAX, |least, [.., alpha]| least.min(*alpha));
+            if self.variant.uses_two_phase() && texels.chunks(1024).any(|part| least(part) < CUT_SHORT) {
                 return Ok(None);
             }
             pictures.add(texels);

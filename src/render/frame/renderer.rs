@@ -7,7 +7,7 @@ use super::pixels::paste_areas;
 use super::prepared::{Prelude, Prepared, Reusable};
 use super::trial::Ways;
 use crate::field::Progress;
-use crate::gpu::{Area, Gpu};
+use crate::gpu::{Area, Gpu, Image};
 use crate::render::camera::FrameContext;
 use crate::render::custom_modules::with_module_cause;
 use crate::render::error::RenderError;
@@ -205,6 +205,11 @@ impl Renderer {
         frame.measurements.processor_ms = taken.map(|taken| taken.as_secs_f64() * 1e3);
         frame.measurements.others = subject.all_others().cloned().collect();
         Ok(frame)
+    }
+
+    /// The latest sub-frame on the device, which the next one overwrites; `None` with several samples per pixel.
+    pub fn latest(&self) -> Option<&Arc<Image>> {
+        self.prepared.last().and_then(Prepared::latest)
     }
 
     /// Renders the depth of a picture: for each pixel, row by row from the top, the distance from the eye along the

@@ -75,7 +75,7 @@ pub fn transmittance(
     let frame = FrameContext::of(scene.checked(library)?.into_owned(), subject);
     let program = frame.variant.program(library, Linker::new)?;
     let inputs = Inputs::new(library, &frame, &program, &|_| ())?;
-    let mut bound = BoundInputs::new(gpu, library, &program, &inputs, false, false)?;
+    let mut bound = BoundInputs::new(gpu, library, &program, &inputs, false, false, &|_| ())?;
     for sub_frame in SubFrame::all(&frame.variant.scene).take(1) {
         bound.fill(gpu, &program, &frame, &sub_frame, &|| false)?;
     }

@@ -38,7 +38,7 @@ impl VoxelProgram {
         let program = variant.program(&library, Linker::new)?;
         let frame = FrameContext::of(drawn.clone(), subject);
         let inputs = Inputs::new(&library, &frame, &program, &|_| ())?;
-        let mut bound = BoundInputs::new(gpu, &library, &program, &inputs, false, false)?;
+        let mut bound = BoundInputs::new(gpu, &library, &program, &inputs, false, false, &|_| ())?;
         for moment in SubFrame::all(&frame.variant.scene).take(1) {
             bound.fill(gpu, &program, &frame, &moment, &|| false)?;
         }

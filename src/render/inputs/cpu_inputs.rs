@@ -11,7 +11,6 @@ use crate::render::subject::Subject;
 use crate::render::variant::{Blocks, Program, Variant, bindings};
 use crate::shader::Library;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
 
 /// Inputs of a program for every sub-frame of a picture.
 pub struct CpuInputs {
@@ -43,11 +42,9 @@ impl CpuInputs {
     /// Images and samplers for [`eval`], without the shadow volume and without uniform blocks.
     pub fn exact(&self) -> eval::Inputs {
         eval::Inputs {
-            blocks: BTreeMap::new(),
-            until: BTreeMap::new(),
             images: self.inputs.images.par_iter().map(|(binding, image)| (*binding, texture(image))).collect(),
             samplers: self.inputs.samplers.iter().map(|(binding, filter)| (*binding, wrap(filter.address))).collect(),
-            noises: BTreeMap::new(),
+            ..eval::Inputs::default()
         }
     }
 

@@ -27,6 +27,8 @@ struct Volumes {
 pub(crate) struct Inputs {
     /// Images by binding.
     pub(crate) images: Vec<(u32, Encoded)>,
+    /// Noise blocks by binding that the device makes.
+    pub(crate) blocks: Vec<(u32, NoiseImage)>,
     /// Samplers by binding.
     pub(crate) samplers: Vec<(u32, Filter)>,
     /// Memory saved by bricks.
@@ -47,6 +49,17 @@ impl Inputs {
         frame: &FrameContext,
         program: &Program,
         progress: Progress<'_>,
+    ) -> Result<Inputs, RenderError> {
+        Inputs::without_blocks(library, frame, program, progress, false)
+    }
+
+    /// [`Inputs::new`]; leaves blocks of lattice noise to the device if `on_device`.
+    pub(crate) fn without_blocks(
+        library: &Library,
+        frame: &FrameContext,
+        program: &Program,
+        progress: Progress<'_>,
+        on_device: bool,
     ) -> Result<Inputs, RenderError> {
         let FrameContext { variant: variant @ Variant { scene, .. }, planes, .. } = frame;
         let mut items: Vec<ObjectInputs<'_>> =
@@ -81,12 +94,16 @@ impl Inputs {
             holds_parameters.set(holds_parameters.get() || function.reads_parameters);
             Ok(function)
         };
-        let (mut images, mut samplers) = (Vec::new(), Vec::new());
+        let (mut images, mut blocks, mut samplers) = (Vec::new(), Vec::new(), Vec::new());
         for Resource { name, binding, holds, .. } in &program.resources {
             match holds {
                 Use::Image if bindings::RENDERED.contains(&name.as_str()) => {}
                 Use::Image => {
                     let made = match NoiseImage::of(scene, name) {
+                        Some(own) if on_device && own.recipe.bake().is_some() => {
+                            blocks.push((*binding, own));
+                            continue;
+                        }
                         Some(own) => own.encode(progress),
                         None => image(&items, &mut volumes, planes, &function, name)?,
                     };
@@ -97,7 +114,7 @@ impl Inputs {
             }
         }
         let stored = StoredObjects(items.iter().map(|item| item.stored).collect());
-        Ok(Inputs { images, samplers, sparse, holds_parameters: holds_parameters.get(), stored })
+        Ok(Inputs { images, blocks, samplers, sparse, holds_parameters: holds_parameters.get(), stored })
     }
 
     /// Storage of the objects' distances.

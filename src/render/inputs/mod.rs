@@ -2,6 +2,7 @@
 
 mod bricks;
 mod cpu_inputs;
+mod device_blocks;
 mod encoded;
 mod images;
 mod noise_blocks;
@@ -12,6 +13,7 @@ mod uniforms;
 pub use bricks::Sparse;
 pub use cpu_inputs::CpuInputs;
 pub(crate) use cpu_inputs::{texture, wrap};
+pub(crate) use device_blocks::{apart, block_image};
 pub use encoded::ImageInfo;
 pub(crate) use encoded::{Encoded, Filter};
 pub(crate) use images::{Inputs, StoredObjects, image_key};

@@ -23,7 +23,7 @@ const KIND: Kind = Kind { ends: &["block"], limit: 1 << 30 };
 
 /// Content of a block. Equal recipes give equal bytes.
 #[derive(Clone, Copy, Debug)]
-enum Recipe {
+pub(super) enum Recipe {
     Values(Bake),
     Gradients(Bake),
     /// Four octaves of noise, starting at this one.
@@ -37,13 +37,21 @@ enum Recipe {
 }
 
 impl Recipe {
-    fn channels(&self) -> u32 {
+    pub(super) fn channels(&self) -> u32 {
         if matches!(self, Recipe::Values(_) | Recipe::Phases) { 1 } else { 4 }
+    }
+
+    /// Lattice noise of a block; `None` for random texels and tables.
+    pub(super) fn bake(&self) -> Option<&Bake> {
+        match self {
+            Recipe::Values(bake) | Recipe::Gradients(bake) | Recipe::Channels(bake) => Some(bake),
+            _ => None,
+        }
     }
 
     /// Mip level without the `faded` last octaves, at half the resolution for each; and the difference of its mean from
     /// the block's: that of the faded octaves and of the stronger blur of the others.
-    fn level(&self, faded: u32) -> (Recipe, f32) {
+    pub(super) fn level(&self, faded: u32) -> (Recipe, f32) {
         let mean = |bake: &Bake| -> f32 {
             let octave =
                 |octave| bake.weights.mean_of_block(bake.size / (bake.cells << octave)) / (1u32 << octave) as f32;
@@ -115,32 +123,35 @@ impl Recipe {
 /// A noise block or table of a scene; images with equal debug texts but for the names are equal.
 #[derive(Debug)]
 pub(crate) struct NoiseImage {
-    name: &'static str,
-    recipe: Recipe,
-    depth: Depth,
+    pub(super) name: &'static str,
+    pub(super) recipe: Recipe,
+    pub(super) depth: Depth,
     /// Number of further levels, each without another octave.
-    faded: u32,
-    size: u32,
+    pub(super) faded: u32,
+    pub(super) size: u32,
 }
 
 impl NoiseImage {
     /// Encodes the image. `progress` receives the finished share of a block, from any thread.
     pub(crate) fn encode(&self, progress: Progress<'_>) -> Encoded {
         let NoiseImage { name, recipe, depth, faded, size } = *self;
-        let format = match (recipe.channels(), depth) {
+        let dimension = match recipe {
+            Recipe::Row(..) => Dimension::Line(size),
+            Recipe::Phases => Dimension::Plane(size, size),
+            _ => Dimension::Volume(size, size, size),
+        };
+        Encoded { name, dimension, format: self.format(), bytes: recipe.levels(size, faded, depth, progress) }
+    }
+
+    pub(super) fn format(&self) -> Format {
+        match (self.recipe.channels(), self.depth) {
             (1, Depth::Eight) => Format::R8Unorm,
             (1, Depth::Sixteen) => Format::R16Unorm,
             (1, Depth::Float) => Format::R32Float,
             (_, Depth::Eight) => Format::Rgba8Unorm,
             (_, Depth::Sixteen) => Format::Rgba16Unorm,
             (_, Depth::Float) => Format::Rgba32Float,
-        };
-        let dimension = match recipe {
-            Recipe::Row(..) => Dimension::Line(size),
-            Recipe::Phases => Dimension::Plane(size, size),
-            _ => Dimension::Volume(size, size, size),
-        };
-        Encoded { name, dimension, format, bytes: recipe.levels(size, faded, depth, progress) }
+        }
     }
 
     /// The noise block or table of a binding in `interface.glsl`; `None` for other images.

@@ -23,16 +23,17 @@ struct Channel<'a> {
 }
 
 impl<'a> Channel<'a> {
-    /// Channel of values in [-bound, bound].
-    fn signed(values: &'a [f32], bound: f64) -> Channel<'a> {
-        Channel { values, scale: (0.5 / bound) as f32, offset: 0.5 }
-    }
-
     fn value(block: &'a Block, absolute: bool) -> Channel<'a> {
-        match absolute {
-            false => Channel::signed(&block.values, 1.0),
-            true => Channel { values: &block.values, scale: (1.0 / TURBULENCE_BOUND) as f32, offset: 0.0 },
-        }
+        let [scale, offset, _] = block_scales(absolute);
+        Channel { values: &block.values, scale, offset }
+    }
+}
+
+/// Scale and offset of a stored value, and scale of a stored slope, whose offset is 1/2.
+pub fn block_scales(absolute: bool) -> [f32; 3] {
+    match absolute {
+        false => [0.5, 0.5, (0.5 / NOISE_GRADIENT_BOUND) as f32],
+        true => [(1.0 / TURBULENCE_BOUND) as f32, 0.0, (0.5 / TURBULENCE_GRADIENT_BOUND) as f32],
     }
 }
 
@@ -43,9 +44,8 @@ pub fn block_values(block: &Block, absolute: bool, depth: Depth) -> Vec<u8> {
 
 /// Gradients in RGB, as `0.5 + 0.5 gradient / bound`, and values in A (MJ 4.1).
 pub fn block_gradients(block: &Block, absolute: bool, depth: Depth) -> Vec<u8> {
-    let bound = if absolute { TURBULENCE_GRADIENT_BOUND } else { NOISE_GRADIENT_BOUND };
-    let [x, y, z] = &block.gradient;
-    let slope = |values| Channel::signed(values, bound);
+    let ([x, y, z], [_, _, scale]) = (&block.gradient, block_scales(absolute));
+    let slope = |values| Channel { values, scale, offset: 0.5 };
     interleave([slope(x), slope(y), slope(z), Channel::value(block, absolute)], depth)
 }
 

@@ -7,7 +7,7 @@ mod tables;
 mod transfer;
 mod volume;
 
-pub use blocks::{Depth, block_channels, block_gradients, block_values, table_rows, texels_of};
+pub use blocks::{Depth, block_channels, block_gradients, block_scales, block_values, table_rows, texels_of};
 pub use bricks::{BRICK, Bricks};
 pub use tables::{SEGMENT_SIZE, classify, segment_table};
 pub use transfer::{evaluate, index_map, transfer_map, transfer_texel};

@@ -389,7 +389,8 @@ impl Number for Affine {
                     values[low] = values[low].mix(values[low + half], parts[axis]);
                 }
             }
-            Affine::of(all[channel], values[0].slope, values[0].rest)
+            let (Affine { slope, rest, .. }, off) = (values[0], 2.0 * image.slack); // twice, for the roundings of weights
+            Affine::of(all[channel], slope, Interval { lo: rest.lo - off, hi: rest.hi + off })
         })
     }
     fn fetch(image: &Image<'_>, at: [Range; 3]) -> [Affine; 4] {

@@ -19,7 +19,7 @@ use crate::unused_settings::UnusedSettings;
 use crate::worker::{Job, Worker};
 use egui::{Pos2, Rect};
 use glam::DVec3;
-use hypertexture::gpu::{Gpu, Options};
+use hypertexture::gpu::{Gpu, Image, Options};
 use hypertexture::render::ViewPose;
 use hypertexture::scene::{self, Camera, Scene};
 use hypertexture::shader::Library;
@@ -253,6 +253,17 @@ impl App {
         self.worker = Some(Worker::start(gpu.clone(), gate, self.figures.budget_ms, self.notify.clone()));
         self.screen.forget();
         (self.jobs.submitted, self.lost, self.figures.picking) = (None, false, None);
+    }
+
+    /// Drops everything that holds the device.
+    pub(crate) fn leave_device(&mut self) {
+        self.worker = None;
+        self.screen.leave_device();
+    }
+
+    /// The pictures on the screen that the device has encoded.
+    pub(crate) fn pictures(&self) -> &[Arc<Image>] {
+        self.screen.images.of_device()
     }
 
     /// Skips the time since the last frame.

@@ -1,7 +1,7 @@
 //! Jobs for the render thread, and its events.
 
+use crate::screen::Encoded;
 use crate::status::Stage;
-use egui::ColorImage;
 use hypertexture::render::{Subject, ViewPose};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
@@ -45,8 +45,8 @@ pub(crate) struct Job {
 pub(crate) struct Picture {
     /// Number of its job.
     pub(crate) number: u64,
-    /// Encoded images, one for each variant.
-    pub(crate) images: Vec<ColorImage>,
+    /// Encoded images.
+    pub(crate) images: Encoded,
     /// Premultiplied linear RGBA of the images; empty for validity colors.
     pub(crate) frames: Vec<Arc<[[f32; 4]]>>,
     /// Root mean square difference of two equally sampled variants.

@@ -6,9 +6,9 @@ use super::shared::Shared;
 use crate::author::Gate;
 use crate::mean::{Mean, resampled};
 use crate::progressive::{Budget, FEWEST, Level};
-use crate::screen::encode_srgb;
+use crate::screen::{Encoded, behind, encode_srgb};
 use crate::status::Stage;
-use hypertexture::gpu::Gpu;
+use hypertexture::gpu::{Encoder, Gpu, Image};
 use hypertexture::render::{RenderError, ViewPose};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
@@ -25,6 +25,8 @@ type SendEvent = Box<dyn Fn(Event) + Send + Sync>;
 /// The render thread.
 pub(super) struct RenderThread {
     pub(super) gpu: Gpu,
+    /// Encoder of previews, once used.
+    encoder: Option<Encoder>,
     gate: Arc<Gate>,
     pub(super) shared: Arc<Shared>,
     pub(super) send: SendEvent,
@@ -90,7 +92,7 @@ fn scenes(job: &Job) -> Vec<Scene> {
 impl RenderThread {
     pub(super) fn new(gpu: Gpu, gate: Arc<Gate>, shared: Arc<Shared>, budget_ms: f64, send: SendEvent) -> RenderThread {
         let budget = Budget::new(budget_ms, gpu.info().cpu);
-        RenderThread { gpu, gate, shared, send, budget, coarse_error: None, own_error: None }
+        RenderThread { gpu, encoder: None, gate, shared, send, budget, coarse_error: None, own_error: None }
     }
 
     pub(super) fn run(mut self) {
@@ -213,19 +215,33 @@ impl RenderThread {
                     Err(error) => return Err(error),
                 }
             }
+            let images = self.encoded(job, renderers)?;
             let (size, samples) = (frames[0].size, frames[0].measurements.slices);
             let coarse: Vec<Vec<[f32; 4]>> = frames.into_iter().map(|frame| frame.pixels).collect();
             let mut accumulation = Accumulation::of(job, sights, coarse, size);
             (accumulation.level, accumulation.gpu_ms) = (Some(level), device);
             self.shared.reported.store(job.number, Ordering::Relaxed);
             let error = self.coarse_error.filter(|(_, of)| *of == level).map(|(error, _)| error);
-            let picture = Picture { size, samples, error, ..Picture::of(job, Stage::Coarse, device) };
+            let picture = Picture { images, size, samples, error, ..Picture::of(job, Stage::Coarse, device) };
             self.send_picture(job, &accumulation, &accumulation.coarse, picture);
             let ms = start.elapsed().as_secs_f64() * 1e3 - compile_ms;
             log::debug!("preview {:?}: {device:.1} ms on the device of {ms:.1} ms", size);
             self.budget.took(first, device, ms - device);
             return Ok(Some(accumulation));
         }
+    }
+
+    /// The latest pictures of the renderers, encoded on the device.
+    fn encoded(&mut self, job: &Job, renderers: &[VariantRenderers]) -> Result<Encoded, RenderError> {
+        let encoder = match &self.encoder {
+            Some(encoder) => encoder,
+            None => self.encoder.insert(Encoder::new(&self.gpu)?),
+        };
+        let backgrounds: Vec<_> = job.variants.iter().map(|variant| variant.scene.image.background).collect();
+        let latest = renderers.iter().filter_map(|own| own.own.latest()).zip(&backgrounds);
+        let encode = |(picture, background): (&Arc<Image>, &_)| encoder.encode(picture, behind(*background));
+        let images: Vec<Arc<Image>> = latest.map(encode).collect::<Result<_, _>>()?;
+        Ok(if images.len() == renderers.len() { Encoded::Device(images, backgrounds) } else { Encoded::default() })
     }
 
     /// Resamples the pictures of the previous window size.
@@ -251,8 +267,10 @@ impl RenderThread {
         mut picture: Picture,
     ) {
         let frames: Vec<&[[f32; 4]]> = frames.iter().map(Borrow::borrow).collect();
-        let backgrounds: Vec<_> = job.variants.iter().map(|variant| variant.scene.image.background).collect();
-        picture.images = encode_srgb(&frames, &backgrounds, picture.size);
+        if picture.images.of_device().is_empty() {
+            let backgrounds: Vec<_> = job.variants.iter().map(|variant| variant.scene.image.background).collect();
+            picture.images = Encoded::Host(encode_srgb(&frames, &backgrounds, picture.size));
+        }
         picture.difference = match frames[..] {
             // Partial pictures may be sampled unequally.
             [a, b] if picture.stage != Stage::Partial => Some(rms_difference(a, b)),

@@ -3,6 +3,7 @@
 use super::job::{Event, Job, Picture, Variant};
 use super::render_thread::RenderThread;
 use crate::background::{cancel_if, catch_cancellation};
+use crate::screen::Encoded;
 use crate::status::Stage;
 use egui::ColorImage;
 use hypertexture::render::{RenderError, Renderer, Subject};
@@ -40,7 +41,8 @@ impl RenderThread {
     /// Sends the picture with its validity colors and their legend.
     pub(super) fn send_validity(&self, job: &Job, validity: &Validity, own: &[[f32; 4]], gpu_ms: f64) {
         let picture = Picture::of(job, Stage::Validity, gpu_ms);
-        let images = vec![ColorImage::from_rgb(picture.size.map(|side| side as usize), &validity.colors(own))];
+        let colors = ColorImage::from_rgb(picture.size.map(|side| side as usize), &validity.colors(own));
+        let images = Encoded::Host(vec![colors]);
         let trusted = format!(
             "{:.1} % change by less than {TRUSTED:.1e} with any better setting; render --validity also shows unresolved bounds",
             validity.trusted()
