@@ -170,7 +170,7 @@ mod tests {
         let text = table(&bench);
         let row = "| lit | 5.0 (5.0 to 5.0) | 11.0 (10.0 to 12.0) | 9.0 (9.0 to 9.0) | 2.00 (2.00 to 2.00) its fetches alone | 13.8 | 1.50 M | 2000 M | 3.0 M | 2.2 |";
         assert!(text.contains(row) && !text.contains("auto"), "{text}");
-        for (times, slow) in [(1.05, "in 0 of 1 rows: \n"), (1.06, "in 1 of 1 rows: effects/lit\n")] {
+        for (times, slow) in [(1.05, "in 0 of 1 rows\n"), (1.06, "in 1 of 1 rows: effects/lit\n")] {
             bench.rows[0].against = Some(Against { what: BETTER_STAGE.into(), times: Spread::of(&[times]) });
             let text = table(&bench);
             assert!(text.contains(&format!("auto takes more than 1.05 times the better stage {slow}")), "{text}");
