@@ -9,6 +9,7 @@
 // @param rise = 0.6 in [0, 8]: Speed of the flames, object units per second.
 #include "sample.glsl"
 #include <turbulence>
+#include <phases>
 
 // The gradient of the distance over half of it to each side, at most 1 long: four places, the corners of a tetrahedron.
 // The normal jumps where the nearest surface changes sides, and flames would have a crease there; a difference of
@@ -28,7 +29,12 @@ float fire(float density, inout Sample s) {
     vec3 p = flame_scale * vec3(1.0, 0.45, 1.0) * (s.x - vec3(0.0, rise * time, 0.0));
     // Nothing is left even of a flame as long as flames get, upward, where the fetches of the gradient are saved.
     float most = 1.0001 * density + 1e-6, rate = deep * (1.35 - density), enough = most / max(rate, 1e-6);
-    float torn = turbulence(p, flame_scale * sample_width(), enough);
+    float torn = turbulence(p, flame_scale * sample_width(), UNTIL(enough));
+    SECOND_PHASE(
+        vec3 velocity = vec3(0.0, -0.45 * flame_scale * rise, 0.0);
+        float before = turbulence(earlier(p, velocity), flame_scale * sample_width(), ALL);
+        torn = passing(torn, before, velocity, SUM_RANGE);
+    )
     if (rate * torn >= most) return 0.0;
     s.wide_normal = wide_normal(s);
     float up = smoothstep(-0.8, 0.9, s.wide_normal.y);

@@ -7,7 +7,14 @@
 // @param fractal_speed = 0 in [0, 8]: How fast the pattern rises, object units per second.
 #include "fractal_sum.glsl"
 #include "soft_part.glsl"
+#include <phases>
 float fractal(float density, Sample s) {
     vec3 p = s.x - vec3(0.0, fractal_speed * time, 0.0);
-    return density + fractal_strength * soft_part(s) * fractal_sum(fractal_scale * p, fractal_scale * sample_width());
+    float sum = fractal_sum(fractal_scale * p, fractal_scale * sample_width());
+    SECOND_PHASE(
+        vec3 velocity = vec3(0.0, -fractal_scale * fractal_speed, 0.0);
+        float before = fractal_sum(earlier(fractal_scale * p, velocity), fractal_scale * sample_width());
+        sum = passing(sum, before, velocity, 2.0 * NOISE_RANGE);
+    )
+    return density + fractal_strength * soft_part(s) * sum;
 }

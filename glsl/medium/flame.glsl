@@ -10,9 +10,15 @@
 #include "eye_normal.glsl"
 #include <transfer>
 #include <turbulence>
+#include <phases>
 vec3 medium(Sample s, float density) {
     vec3 p = 2.0 * (s.x - vec3(0.0, relief_rise * time, 0.0));
-    vec3 b = safe_normalize(turbulence_gradient(p, 2.0 * sample_width()).xyz, s.normal);
+    vec4 bumps = turbulence_gradient(p, 2.0 * sample_width());
+    SECOND_PHASE(
+        vec3 velocity = vec3(0.0, -2.0 * relief_rise, 0.0);
+        bumps = passing(bumps, turbulence_gradient(earlier(p, velocity), 2.0 * sample_width()), velocity, SUM_RANGE);
+    )
+    vec3 b = safe_normalize(bumps.xyz, s.normal);
     vec3 wide = length(s.wide_normal) * eye_normal(s.wide_normal);
     vec3 n = safe_normalize(wide + eye_normal(b), to_eye());   // MJ 5.2: added in eye space
     float lit = clamp(0.5 + 0.5 * dot(n, safe_normalize(light_position.xyz - position_eye, n)), 0.0, 1.0);

@@ -9,12 +9,28 @@
 // @param irregularity_speed = 0 in [0, 8]: How fast the noise drifts, cells per second.
 #include <transfer>
 #include "four_noises.glsl"
+#include <phases>
 vec3 irregular_place(Sample s) { return irregularity_frequency * s.x - vec3(0.0, irregularity_speed * time, 0.0); }
+
+vec4 irregular_noises(vec3 p) {
+    vec4 n = four_noises(p);
+    SECOND_PHASE(
+        vec3 velocity = vec3(0.0, -irregularity_speed, 0.0);
+        n = passing(n, four_noises(earlier(p, velocity)), velocity, NOISE_RANGE);
+    )
+    return n;
+}
 
 vec3 medium(Sample s, float density) {
     vec3 p = irregular_place(s);
-    vec3 factor = 1.0 + irregularity * noise(2.0 * p + 29.3) + iridescence * four_noises(p).rgb;
+    vec3 q = 2.0 * p + 29.3;
+    float n = noise(q);
+    SECOND_PHASE(
+        vec3 velocity = vec3(0.0, -2.0 * irregularity_speed, 0.0);
+        n = passing(n, noise(earlier(q, velocity)), velocity, NOISE_RANGE);
+    )
+    vec3 factor = 1.0 + irregularity * n + iridescence * irregular_noises(p).rgb;
     return transfer(density).rgb * max(factor, 0.0);
 }
 
-float extinction(Sample s, float density) { return max(1.0 + patchiness * four_noises(irregular_place(s)).a, 0.0); }
+float extinction(Sample s, float density) { return max(1.0 + patchiness * irregular_noises(irregular_place(s)).a, 0.0); }

@@ -8,13 +8,19 @@
 // @param flow_frequency = 1.5 in [0.1, 10]: Eddies of the current: noise cells per object unit.
 // @param flow_speed = 0.2 in [0, 8]: How fast the current changes, noise cells per second.
 #include <noise>
+#include <phases>
 const int FLOW_STEPS = 4;
 const float FASTEST = 1.5;              // length of three noises, each at most 0.866
 
 // One shear: `along` grows by a noise of the other two coordinates; the rows of the jacobian follow.
 void shear(inout float along, inout vec3 row, vec2 across, vec3 row_a, vec3 row_b, float place) {
     float far = flow_length / (FASTEST * float(FLOW_STEPS));
-    vec4 n = far * noise_gradient(vec3(flow_frequency * across.x, place + flow_speed * time, flow_frequency * across.y));
+    vec3 p = vec3(flow_frequency * across.x, place + flow_speed * time, flow_frequency * across.y);
+    vec4 n = far * noise_gradient(p);
+    SECOND_PHASE(
+        vec3 velocity = vec3(0.0, flow_speed, 0.0);
+        n = passing(n, far * noise_gradient(earlier(p, velocity)), velocity, far * NOISE_RANGE);
+    )
     along += n.w;
     row += flow_frequency * (n.x * row_a + n.z * row_b);
 }

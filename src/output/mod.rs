@@ -4,6 +4,7 @@
 //! linear) with their [`Provenance`]. Invariant: a file appears whole or not at all; it is written next to its place under a
 //! temporary name, synced and renamed.
 
+mod animated;
 mod check;
 mod error;
 mod format;
@@ -15,6 +16,7 @@ pub mod sequence;
 pub mod shard;
 mod write;
 
+pub use animated::{Animated, Sheet};
 pub use check::{check, check_all, check_folder};
 pub use error::OutputError;
 pub use identity::{identity, identity_of_texts};

@@ -5,7 +5,7 @@
 //! line; the line is written after the file.
 
 use crate::output::shard::Shard;
-use crate::scene::Scene;
+use crate::scene::{Animation, Scene};
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Write};
@@ -104,9 +104,13 @@ impl Sequence {
     /// Hash of everything that determines the pixels of a frame besides its number. `scene` is the identity of the scene at
     /// rest, `depth` the bits of a channel. The range of frames is included only for a turntable, so that other sequences can
     /// be extended.
-    pub fn identity(&self, scene: blake3::Hash, depth: &str) -> blake3::Hash {
+    pub fn identity(&self, scene: blake3::Hash, animation: &Animation, depth: &str) -> blake3::Hash {
         let range = self.turntable.then_some(self.frames);
-        blake3::hash(format!("{scene} {} {range:?} {depth}", self.fps).as_bytes())
+        let moves = (!animation.tracks.is_empty()).then(|| toml::to_string(animation));
+        blake3::hash(
+            format!("{scene} {} {range:?} {depth}{}", self.fps, moves.and_then(Result::ok).unwrap_or_default())
+                .as_bytes(),
+        )
     }
 }
 

@@ -23,7 +23,9 @@ pub use cells::{CellStats, LOOKED_UP, bounded, link as link_cells};
 pub use custom_modules::{FINITE, ModuleFault, try_custom_modules};
 pub use density::{Along, PolygonizeError, Polygons, densities, density_along, polygonize, polygonize_with_looks};
 pub use error::RenderError;
-pub use explain::{describe_frame, octaves_held, same_pictures, unused_overrides, unused_settings, warnings};
+pub use explain::{
+    describe_frame, loop_note, octaves_held, same_pictures, unused_overrides, unused_settings, warnings,
+};
 pub use frame::{Renderer, Transmittance, check_depth, paste_areas, render, transmittance};
 pub use inputs::{CpuInputs, ImageInfo, Sparse};
 pub use measurements::{Frame, Measurements};

@@ -16,6 +16,14 @@ impl Scene {
     /// # Errors
     /// The first error, with field, value and allowed values.
     pub fn check(&self, library: &Library) -> Result<Parameters, SceneError> {
+        let moment = self.moment()?;
+        let declared = moment.check_still(library)?;
+        self.check_keys_of_parameters(&declared)?;
+        Ok(moment.parameters(&declared)?.in_loop(moment.looped(library)))
+    }
+
+    /// Checks a scene without tracks, and returns the declarations of its modules.
+    fn check_still(&self, library: &Library) -> Result<Declarations, SceneError> {
         self.check_values()?;
         self.check_object()?;
         self.check_transfer()?;
@@ -27,7 +35,7 @@ impl Scene {
         self.check_quality(library)?;
         self.check_ray(library)?;
         self.check_layers(library)?;
-        self.parameters(&library.declarations(&self.entries(), &slots)?)
+        Ok(library.declarations(&self.entries(), &slots)?)
     }
 
     /// Checks the additional objects of an otherwise valid scene, and returns the values of their parameters.
@@ -43,7 +51,7 @@ impl Scene {
             own.check_look(library)?;
             own.check_transfer()?;
             own.check_layers(library)?;
-            own.parameters(&library.object_declarations(name, &slots)?)
+            Ok(own.parameters(&library.object_declarations(name, &slots)?)?.in_loop(self.looped(library)))
         };
         let within = |name: &String, error| SceneError::Part(name.clone(), Box::new(error));
         let checked =
@@ -67,7 +75,9 @@ impl Scene {
         let slots = self.slots_with_objects(library);
         self.check_modules(library, &slots)?;
         let declared = library.declarations(&self.entries(), &slots)?.parameters;
-        self.parameters.retain(|name, _| declared.iter().any(|parameter| parameter.name == *name));
+        let is_declared = |name: &str| declared.iter().any(|parameter| parameter.name == name);
+        self.parameters.retain(|name, _| is_declared(name));
+        self.animation.tracks.retain(|field, _| field.strip_prefix("parameters.").is_none_or(is_declared));
         Ok(())
     }
 

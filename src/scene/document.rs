@@ -1,7 +1,7 @@
 //! A scene and its small tables.
 
 use super::setting::{choices, settings};
-use super::{Camera, Color, Effect, Light, Object, Part, Quality, Transfer};
+use super::{Animation, Camera, Color, Effect, Light, Object, Part, Quality, Transfer};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -32,6 +32,9 @@ settings! {
         camera: Camera = Camera::default();
         /// The picture.
         image: Picture = Picture::default();
+        /// Motion of settings over time.
+        #[serde(skip_serializing_if = "Animation::is_empty")]
+        animation: Animation = Animation::default();
         /// Accuracy against time.
         quality: Quality = Quality::default();
         /// Additional objects, by name.

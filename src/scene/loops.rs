@@ -55,7 +55,7 @@ impl Scene {
     /// Iterations of a test for matter.
     fn test_loops(&self, library: &Library) -> f32 {
         let octave = self.octave_loops(library).max(self.noise_loops(library));
-        1.0 + self.effect.warp.len() as f32 * self.effect.octaves as f32 * octave
+        1.0 + self.phases(library) * self.effect.warp.len() as f32 * self.effect.octaves as f32 * octave
     }
 
     /// Iterations of a test between two samples, for all objects.
@@ -96,7 +96,12 @@ impl Scene {
         let sums = (2 * effect.warp.len() + effect.dmf.len() + 1).max(2) as f32; // a warp for distance and normal
         let noise = self.noise_loops(library);
         let sum = effect.octaves as f32 * self.octave_loops(library).max(noise);
-        (places + more + layers) * (sums * sum + 3.0 * noise)
+        self.phases(library) * (places + more + layers) * (sums * sum + 3.0 * noise)
+    }
+
+    /// Evaluations of each noise: two in a loop of two phases.
+    fn phases(&self, library: &Library) -> f32 {
+        if self.looped(library).is_some_and(|looped| looped.two_phases) { 2.0 } else { 1.0 }
     }
 }
 

@@ -3,6 +3,7 @@
 //! Role: a readable description, merged from a preset, a file and the command line. Invariant: after [`Scene::check`] every
 //! value is finite and in its range, and every module and parameter exists. A scene knows no GPU.
 
+mod animation;
 mod axis;
 mod camera;
 mod check;
@@ -32,6 +33,8 @@ mod slots;
 mod strategy;
 mod transfer;
 
+pub(crate) use animation::Looped;
+pub use animation::{Animation, Ease, Key, Track, is_movable};
 pub use axis::Axis;
 pub use camera::{Camera, Projection};
 pub use color::{Color, linear_to_srgb, srgb_to_linear};
@@ -45,7 +48,7 @@ pub use file::{load, parse, to_text};
 pub use light::{Light, LightMethod};
 pub(crate) use loops::SHADOW_SAMPLES;
 pub use object::{FORMULAS, FieldEncoding, GLSL, Object, Storage};
-pub use parameters::{Parameters, Spread};
+pub use parameters::{LOOP_SECONDS, Parameters, Spread};
 pub use part::{Part, Transform};
 pub use preset_texts::names;
 pub use presets::{EFFECTS, nearest_preset, preset};

@@ -1,7 +1,7 @@
 //! Parameters of a scene: the declarations of its modules with the values of the scene.
 
 use super::check::within;
-use super::{ParameterValue, Scene, SceneError};
+use super::{Looped, ParameterValue, Scene, SceneError};
 use crate::shader::declare::{Parameter, ParameterKind};
 use crate::shader::drift::Drift;
 use crate::shader::reach::{GIVEN, NOISE_BOUND};
@@ -15,6 +15,7 @@ pub struct Parameters {
     reach: Vec<Reach>,
     drifts: Vec<Drift>,
     noise_bound: f32,
+    looped: Option<Looped>,
 }
 
 /// Displacement of lookups by the modules of an object, and the growth of its matter; object units.
@@ -34,6 +35,9 @@ pub struct Spread {
 const MAX_GROWTH: f32 = 2.25;
 /// Smallest such factor, so that the object itself follows the formula.
 const MIN_HOLD: f32 = 1.1547005;
+
+/// The parameter of `glsl/phases/two.glsl` that is the length of the loop.
+pub const LOOP_SECONDS: &str = "loop_seconds";
 
 impl Parameters {
     /// Every parameter with its value, in the order of the modules.
@@ -74,11 +78,30 @@ impl Parameters {
         Spread { grows, moves, hold_radius, held: hold_radius < whole }
     }
 
-    /// Speeds that are adjusted at a time (seconds) to preserve precision far from the origin; see [`crate::shader::drift`].
+    /// Speeds that are adjusted at a time (seconds): to whole periods of noise in a loop, else to preserve precision far from
+    /// the origin; see [`crate::shader::drift`].
     pub fn held_speeds(&self, time: f64) -> impl Iterator<Item = (&str, f32)> {
-        self.drifts
-            .iter()
-            .filter_map(move |drift| Some((drift.speed.as_str(), drift.wrapped(time, |name| self.number(name))?)))
+        let value = |name: &str| self.number(name);
+        let held = move |drift: &Drift| match &self.looped {
+            Some(looped) => looped.speed(drift, value),
+            None => drift.wrapped(time, value),
+        };
+        self.drifts.iter().filter_map(move |drift| Some((drift.speed.as_str(), held(drift)?)))
+    }
+
+    /// Length of the loop, and whether noise has two phases in it.
+    pub fn looped(&self) -> Option<(f64, bool)> {
+        self.looped.map(|looped| (looped.period, looped.two_phases))
+    }
+
+    /// The parameters in the loop of a scene, if it has one.
+    pub(super) fn in_loop(mut self, looped: Option<Looped>) -> Parameters {
+        for (parameter, value) in &mut self.declared {
+            if let (LOOP_SECONDS, Some(looped)) = (parameter.name.as_str(), &looped) {
+                *value = ParameterValue::Number(looped.period as f32);
+            }
+        }
+        Parameters { looped, ..self }
     }
 
     /// Value of a parameter that is a number; 0 for any other.
@@ -124,6 +147,6 @@ impl Scene {
         let noise_bound = declarations.noise_bound.unwrap_or(NOISE_BOUND);
         let (outer, reach) = (declarations.outer.clone(), declarations.reach.clone());
         let drifts = declarations.drifts.clone();
-        Ok(Parameters { declared, outer, reach, drifts, noise_bound })
+        Ok(Parameters { declared, outer, reach, drifts, noise_bound, looped: None })
     }
 }

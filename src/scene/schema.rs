@@ -3,7 +3,7 @@
 //! Role: [`SETTINGS`] determines the ranges that scenes are checked by, the flags of the command line and their help, the
 //! controls of the window, the commands that it copies, the stages that a change rebuilds, and `docs/settings.md`.
 
-use super::{Camera, Effect, Light, Material, Object, Picture, Quality, Scene, Transfer, Transform};
+use super::{Animation, Camera, Effect, Light, Material, Object, Picture, Quality, Scene, Transfer, Transform};
 use std::sync::LazyLock;
 
 pub use super::setting::{Changes, Filled, Flag, Kind, Range, Setting, float};
@@ -20,6 +20,7 @@ pub static SETTINGS: LazyLock<Vec<Setting>> = LazyLock::new(|| {
         Light::SETTINGS,
         Camera::SETTINGS,
         Picture::SETTINGS,
+        Animation::SETTINGS,
         Quality::SETTINGS,
     ]
     .concat()

@@ -51,6 +51,7 @@ impl Scene {
             ("wrap", quality.wrap.name()),
             ("filter", quality.filter.name()),
             ("storage", storage),
+            ("phases", if self.looped(library).is_some_and(|own| own.two_phases) { "two" } else { "one" }),
             ("transfer", if is_flat { "flat" } else { "map" }),
             (
                 "sampling",

@@ -34,7 +34,7 @@ choices! {
 
 impl Repeat {
     /// The value with this name in the header of a module; `Own` for any other name.
-    fn named(name: Option<&str>) -> Repeat {
+    pub(super) fn named(name: Option<&str>) -> Repeat {
         name.and_then(|name| toml::Value::from(name).try_into().ok()).unwrap_or_default()
     }
 }

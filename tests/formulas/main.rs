@@ -31,6 +31,7 @@ mod medium;
 mod noise;
 mod object;
 mod parts;
+mod phases;
 mod proofs;
 mod rays;
 mod segments;
@@ -42,11 +43,12 @@ mod warp;
 use std::collections::BTreeSet;
 
 /// Files with nothing to be wrong about: declarations alone.
-const DECLARATIONS: [&str; 8] = [
+const DECLARATIONS: [&str; 9] = [
     "distance_bound.glsl",
     "index_point.glsl",
     "interface.glsl",
     "part.glsl",
+    "phases/one.glsl",
     "sample_point.glsl",
     "sampling/pixel.glsl",
     "sampling/sample.glsl",
@@ -67,6 +69,7 @@ fn every_module_has_a_check() {
         noise::ROWS,
         object::ROWS,
         parts::ROWS,
+        phases::ROWS,
         rays::ROWS,
         segments::ROWS,
         surface::ROWS,

@@ -3,10 +3,11 @@
 use super::convert::MESH_ENDS;
 use super::picture::say_fault;
 use super::scene_arguments::{ObjectFlags, SceneArguments, files_read};
-use super::sequence::Times;
+use super::sequence::{FrameObject, Times};
 use super::{absolute, say, with_progress};
 use clap::Args;
 use hypertexture::output;
+use hypertexture::render::variant::Variant;
 use hypertexture::render::{PolygonizeError, Polygons, Subject, polygonize, polygonize_with_looks, try_custom_modules};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
@@ -45,7 +46,7 @@ pub(super) fn run(command: &Mesh, quiet: bool) -> Result<(), Box<dyn Error>> {
     let path = &command.output;
     let known = MeshFormat::from_path(path);
     let format = known.ok_or_else(|| format!("--output {}: end the name in {MESH_ENDS}", path.display()))?;
-    let scene = command.arguments.scene(&command.input, &command.object)?;
+    let scene = command.arguments.scene_and_base(&command.input, &command.object)?.0;
     let scenes = command.times.scenes(&scene, path)?;
     let outputs = || scenes.iter().map(|(_, path)| ("--output", path.clone()));
     output::check_all(outputs(), files_read(&command.input, &scene))?;
@@ -57,8 +58,10 @@ pub(super) fn run(command: &Mesh, quiet: bool) -> Result<(), Box<dyn Error>> {
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&variant, &library, progress))?;
     output::check_all(outputs(), subject.all_others().cloned())?;
     let fault = try_custom_modules(&library, &variant, &subject)?;
+    let mut object = FrameObject::of(&variant, &subject);
     for (scene, path) in &scenes {
-        write(command, (&library, scene, &subject), (format, path), quiet)?;
+        object.serve(&Variant::of(scene, &library)?, &library)?;
+        write(command, (&library, scene, &object.subject), (format, path), quiet)?;
     }
     if !quiet {
         say_fault(fault);

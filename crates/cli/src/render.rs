@@ -37,7 +37,7 @@ pub struct Render {
     /// An object, a scene file (.toml), an example scene such as fire_ball, or a picture. An object is built in, a mesh, a scalar
     /// volume or a distance field; a picture of this program holds its scene.
     pub input: String,
-    /// Output, .png or .exr; - is standard output, as PNG.
+    /// Output, .png or .exr; with --frames also .webp, .gif or .apng, of PNG files beside it. - is standard output, as PNG.
     #[arg(long, short, default_value = "out.png", value_name = "FILE")]
     pub output: PathBuf,
     /// Bits of each channel of a PNG.
@@ -100,7 +100,8 @@ impl Render {
         let said = |(name, value): &(String, toml::Value)| format!("{name} = {value}");
         let replaced = set.iter().filter(|field| !after.contains(field));
         let mut all: Vec<String> = replaced.map(|field| format!("{} (--max-error chooses)", said(field))).collect();
-        let own: Vec<String> = set.iter().map(said).collect();
+        let moves = |(name, _): &&(String, _)| name.starts_with("animation."); // a picture has no motion
+        let own: Vec<String> = set.iter().filter(|field| !moves(field)).map(said).collect();
         all.extend(unused_overrides(library, subject, base, drawn).into_iter().filter(|field| own.contains(field)));
         if self.depth != "8" && (ends(&self.output, "exr") || self.predict) {
             all.push(format!("--depth {}", self.depth));
@@ -143,9 +144,9 @@ impl Render {
         let pictures = match (sequence, shard) {
             _ if self.predict => Vec::new(),
             (Some(sequence), _) => {
-                let frames = frames_of(&self.output, sequence, shard)?;
-                let manifest = manifest_path(&self.output, shard);
-                frames.into_iter().map(|(_, path)| path).chain([manifest]).collect()
+                let pattern = self.motion.pattern(&self.output);
+                let frames = frames_of(&pattern, sequence, shard)?.into_iter().map(|(_, path)| path);
+                frames.chain([manifest_path(&pattern, shard)]).chain(self.motion.joined(&self.output)).collect()
             }
             (None, Some(shard)) => vec![shard.path(&self.output)],
             (None, None) if self.is_piped() => Vec::new(),
@@ -172,22 +173,25 @@ pub(super) fn run(command: &Render, options: &Options, quiet: bool) -> Result<()
         [&mut scene, &mut base].into_iter().for_each(smooth);
     }
     let (variant, library) = super::checked(&scene)?;
-    render(command, options, quiet, (variant, base, library))
+    render(command, options, quiet, (scene, variant, base, library))
 }
 
-/// Renders a checked scene, or predicts its cost. `base` is the scene before the arguments.
+/// Renders a scene, checked as `variant`, or predicts its cost. `base` is the scene before the arguments.
 pub(super) fn render(
     command: &Render,
     options: &Options,
     quiet: bool,
-    (variant, base, library): (Variant, Scene, Library),
+    (moving, variant, base, library): (Scene, Variant, Scene, Library),
 ) -> Result<(), Box<dyn Error>> {
     let scene = &variant.scene;
     let bound = command.max_error.map(|error| ErrorBound::new(command.metric, error)).transpose();
     let bound = bound.map_err(|error| format!("--max-error: {error}"))?;
     command.check_piped()?;
+    let shard = command.shard.map(ShardChoice::shard).transpose()?;
+    command.motion.check(&command.output, scene.image.size, shard)?;
     let maps = [&command.error_map, &command.validity, &command.depth_map].map(Option::as_ref);
-    let files = [Some(&command.output).filter(|_| !command.is_piped())].into_iter().chain(maps);
+    let pattern = command.motion.pattern(&command.output);
+    let files = [Some(&pattern).filter(|_| !command.is_piped())].into_iter().chain(maps);
     files.flatten().try_for_each(|file| output::check(file))?;
     if let Some(file) = command.validity.as_ref().filter(|file| !ends(file, "png")) {
         return Err(format!("--validity {}: its colors are words; write .png", file.display()).into());
@@ -198,12 +202,11 @@ pub(super) fn render(
     if command.depth_map.is_some() {
         check_depth(scene, &library)?;
     }
-    let shard = command.shard.map(ShardChoice::shard).transpose()?;
     let sequence = command.motion.sequence()?;
     let written = command.written(shard, sequence.as_ref())?;
     output::check_all(written.clone(), files_read(&command.input, scene))?;
     if let Some(sequence) = &sequence {
-        sequence.scene(scene, sequence.frames.last).check(&library)?;
+        sequence.scene(&moving, sequence.frames.last).check(&library)?;
     }
     super::try_modules(&variant, &library, Some(options))?;
     let began = Instant::now();
@@ -211,7 +214,7 @@ pub(super) fn render(
     let loading_ms = began.elapsed().as_secs_f64() * 1e3;
     output::check_all(written, subject.all_others().cloned())?;
     let fault = try_custom_modules(&library, &variant, &subject)?;
-    let asked = Asked { variant, base, library, subject, bound, shard, sequence, began, loading_ms };
+    let asked = Asked { moving, variant, base, library, subject, bound, shard, sequence, began, loading_ms };
     let tell = match command.is_piped() && !command.predict {
         _ if quiet || command.json => silent,
         true => aside,
@@ -228,6 +231,9 @@ pub(super) fn render(
 
 /// A request, before the device is opened.
 struct Asked {
+    /// The scene with its motion.
+    moving: Scene,
+    /// The scene at its time.
     variant: Variant,
     /// The scene before the arguments.
     base: Scene,
@@ -248,7 +254,7 @@ fn draw(
     options: &Options,
     (quiet, tell): (bool, fn(&str)),
 ) -> Result<Map<String, Value>, Box<dyn Error>> {
-    let Asked { base, library, subject, bound, shard, sequence, began, loading_ms, .. } = asked;
+    let Asked { moving, base, library, subject, bound, shard, sequence, began, loading_ms, .. } = asked;
     let (mut variant, mut drawn) = (Cow::Borrowed(&asked.variant), None);
     let mut object = Map::from_iter([("program".into(), json!(PROGRAM)), ("device".into(), json!(gpu.info().title()))]);
     let mut add = |name: &str, value: Value| drop(object.insert(name.into(), value));
@@ -263,13 +269,16 @@ fn draw(
         (variant, drawn) = (Cow::Owned(Variant::of(&pick.scene, library)?), pick.picture);
     }
     let variant = &*variant;
+    let Scene { effect, quality, .. } = variant.scene.clone();
+    let moving = if bound.is_some() { Scene { effect, quality, ..moving.clone() } } else { moving.clone() };
     if !quiet || command.json {
         let fields = command.ignored(library, subject, [base, &asked.variant.scene], variant);
         let line = |fields: &String| format!("ignored    {fields}: the picture is the same without\n");
         tell(&fields.as_ref().map_or(String::new(), line));
         add("ignored", json!(fields));
     }
-    let (output, depth) = (&*command.output, &*command.depth);
+    let pattern = command.motion.pattern(&command.output);
+    let (output, depth) = (&*pattern, &*command.depth);
     let (began, loading_ms) = (*began, *loading_ms);
     let edited = &edited(variant, library)?;
     let picture = Picture { gpu, library, variant, subject, edited, output, depth, quiet, tell, began, loading_ms };
@@ -280,7 +289,10 @@ fn draw(
         }
         add("prediction", json!(prediction));
     } else if let Some(sequence) = sequence {
-        add("frames", render_frames(&picture, sequence, *shard, command.motion.restart)?);
+        add("frames", render_frames(&picture, &moving, sequence, *shard, command.motion.restart)?);
+        for file in command.motion.join(&command.output, sequence, &moving)? {
+            tell(&format!("wrote {}\n", absolute(&file)));
+        }
     } else {
         let frame = match *shard {
             Some(shard) => render_shard(&picture, shard)?,
@@ -300,7 +312,7 @@ fn draw(
         }
     }
     if let Some(file) = &command.save_scene {
-        write_whole(file, scene::to_text(&variant.scene).as_bytes())
+        write_whole(file, scene::to_text(&moving).as_bytes())
             .map_err(|error| format!("{}: {error}; nothing was written", file.display()))?;
     }
     let written = command.written(*shard, sequence.as_ref())?;

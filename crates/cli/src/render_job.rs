@@ -23,5 +23,5 @@ fn render_job(job: RenderJob, options: &Options) -> Result<(), Box<dyn Error>> {
     let scene = scene::parse(&job.scene, "scene")?;
     let library = shader::shipped_with(job.changed).compiled_by(&std::env::current_exe()?);
     let (variant, base) = (Variant::of(&scene, &library)?, scene::nearest_preset(&scene));
-    render(&command, options, true, (variant, base, library))
+    render(&command, options, true, (scene, variant, base, library))
 }

@@ -86,13 +86,13 @@ pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
 }
 
 impl SceneArguments {
-    /// Scene of an input with the arguments applied: a scene file, the scene of a picture, an example scene, or the preset of the
-    /// effect.
+    /// The scene of an input at its time.
     pub fn scene(&self, input: &str, object: &ObjectFlags) -> Result<Scene, Box<dyn Error>> {
-        Ok(self.scene_and_base(input, object)?.0)
+        Ok(self.scene_and_base(input, object)?.0.moment()?.into_owned())
     }
 
-    /// The scene, and the one before the arguments: the preset, the preset nearest to a file, or the scene of a picture.
+    /// Scene of an input with the arguments applied: a scene file, the scene of a picture, an example scene, or the preset of the
+    /// effect. Then the one before the arguments: the preset, the preset nearest to a file, or the scene of a picture.
     pub fn scene_and_base(&self, input: &str, object: &ObjectFlags) -> Result<(Scene, Scene), Box<dyn Error>> {
         let mut scene = self.start(input)?;
         let is_file = Path::new(input).extension().is_some_and(|end| end.eq_ignore_ascii_case("toml"));

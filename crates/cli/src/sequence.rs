@@ -5,9 +5,11 @@ use super::{absolute, with_progress};
 use clap::Args;
 use hypertexture::output::sequence::{Frames, Manifest, Sequence, frame_path, manifest_path};
 use hypertexture::output::shard::{Shard, ShardError};
-use hypertexture::output::{Provenance, identity, write};
-use hypertexture::render::{Frame, Renderer, same_pictures};
-use hypertexture::scene::Scene;
+use hypertexture::output::{Animated, Provenance, Sheet, identity, write};
+use hypertexture::render::variant::Variant;
+use hypertexture::render::{Frame, RenderError, Renderer, Subject, SubjectRequest, loop_note, same_pictures};
+use hypertexture::scene::{Color, Scene};
+use hypertexture::shader::Library;
 use serde_json::{Value, json};
 use std::error::Error;
 use std::panic::resume_unwind;
@@ -64,11 +66,36 @@ impl Times {
         Ok(Some(sequence))
     }
 
-    /// The scene of each frame and its file; the scene itself without frames.
+    /// The scene of each frame and its file; that of its own time without frames.
     pub fn scenes(&self, scene: &Scene, output: &Path) -> Result<Vec<(Scene, PathBuf)>, Box<dyn Error>> {
-        let Some(sequence) = self.sequence(false)? else { return Ok(vec![(scene.clone(), output.to_path_buf())]) };
+        let Some(sequence) = self.sequence(false)? else {
+            return Ok(vec![(scene.moment()?.into_owned(), output.to_path_buf())]);
+        };
         let frames = frames_of(output, &sequence, None)?.into_iter();
-        Ok(frames.map(|(frame, path)| (sequence.scene(scene, frame), path)).collect())
+        frames.map(|(frame, path)| Ok((sequence.scene(scene, frame).moment()?.into_owned(), path))).collect()
+    }
+}
+
+/// The object of a frame; another frame may need another field of it.
+pub(super) struct FrameObject {
+    pub(super) subject: Subject,
+    wanted: Vec<SubjectRequest>,
+}
+
+impl FrameObject {
+    /// The object loaded for a scene.
+    pub(super) fn of(variant: &Variant, subject: &Subject) -> FrameObject {
+        FrameObject { subject: subject.clone(), wanted: SubjectRequest::all(variant) }
+    }
+
+    /// Loads the object for a frame, unless the present one serves it. Returns whether it is another.
+    pub(super) fn serve(&mut self, frame: &Variant, library: &Library) -> Result<bool, RenderError> {
+        let wanted = SubjectRequest::all(frame);
+        let is_other = wanted != self.wanted;
+        if is_other {
+            *self = FrameObject { subject: Subject::load(frame, library, &|_| ())?, wanted };
+        }
+        Ok(is_other)
     }
 }
 
@@ -84,6 +111,9 @@ pub struct Motion {
     /// Render frames again that are finished.
     #[arg(long, requires = "frames")]
     pub restart: bool,
+    /// Write all frames into one PNG, --output, and their places into a .json beside it.
+    #[arg(long, requires = "frames", value_name = "COLUMNSxROWS", conflicts_with = "shard")]
+    pub sprite_sheet: Option<Sheet>,
 }
 
 /// An interrupt by the user or a scheduler, with the finished frames.
@@ -95,6 +125,52 @@ impl Motion {
     /// Sequence of the arguments, if any.
     pub fn sequence(&self) -> Result<Option<Sequence>, Box<dyn Error>> {
         self.times.sequence(self.turntable)
+    }
+
+    /// The pattern of the files of the frames: that of PNG files beside an animated picture.
+    pub fn pattern(&self, output: &Path) -> PathBuf {
+        if self.animated(output).is_some() { output.with_extension("png") } else { output.into() }
+    }
+
+    /// The format of an animated picture, if the output is one.
+    pub fn animated(&self, output: &Path) -> Option<Animated> {
+        Animated::of(output).filter(|_| self.times.frames.is_some())
+    }
+
+    /// Files of all frames together: an animated picture, or a sheet with the places in it.
+    pub fn joined(&self, output: &Path) -> Vec<PathBuf> {
+        let sheet = self.sprite_sheet.map(|_| vec![output.to_path_buf(), Sheet::places(output)]);
+        sheet.or_else(|| self.animated(output).map(|_| vec![output.to_path_buf()])).unwrap_or_default()
+    }
+
+    /// Checks the files of all frames together.
+    pub fn check(&self, output: &Path, size: [u32; 2], shard: Option<Shard>) -> Result<(), String> {
+        let named = || format!("--output {}", output.display());
+        let ends_in_png = output.extension().is_some_and(|end| end.eq_ignore_ascii_case("png"));
+        match (self.sprite_sheet.zip(self.times.frames), self.animated(output), shard) {
+            (_, None, _) if Animated::of(output).is_some() => {
+                Err(format!("{}: a moving picture needs --frames", named()))
+            }
+            (Some(_), ..) if !ends_in_png => Err(format!("{}: a sheet is a .png", named())),
+            (Some((sheet, Frames { first, last })), ..) => sheet.check(last - first + 1, size),
+            (_, Some(_), Some(_)) => Err(format!(
+                "{}: a shard has not all of its frames; write .png files, and join them without --shard",
+                named()
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    /// Writes the files of all frames together; returns them.
+    pub fn join(&self, output: &Path, sequence: &Sequence, scene: &Scene) -> Result<Vec<PathBuf>, Box<dyn Error>> {
+        let frames: Vec<_> =
+            frames_of(&self.pattern(output), sequence, None)?.into_iter().map(|(_, path)| path).collect();
+        if let Some(sheet) = self.sprite_sheet {
+            sheet.write(&frames, sequence.fps, scene.animation.period, output)?;
+        } else if let Some(format) = self.animated(output) {
+            format.write(&frames, sequence.fps, output)?;
+        }
+        Ok(self.joined(output))
     }
 }
 
@@ -113,39 +189,44 @@ pub(super) fn frames_of(
     Ok((first..=last).filter(own).map(|frame| (frame, frame_path(output, frame))).collect())
 }
 
-/// Renders the frames of a sequence or of its shard. Result: a summary as JSON.
+/// Renders the frames of a sequence of `scene` or of its shard. Result: a summary as JSON.
 pub fn render_frames(
     picture: &Picture<'_>,
+    scene: &Scene,
     sequence: &Sequence,
     shard: Option<Shard>,
     restart: bool,
 ) -> Result<Value, Box<dyn Error>> {
     let Picture { gpu, library, variant, subject, output, depth, quiet, tell, .. } = *picture;
-    let scene = &variant.scene;
     let frames = frames_of(output, sequence, shard)?;
-    let identity = sequence.identity(identity(variant, library, subject)?, depth);
+    let identity = sequence.identity(identity(variant, library, subject)?, &scene.animation, depth);
     let Frames { first, last } = sequence.frames;
     let some = (first..=last).step_by(((last - first) / MOST_TRIED + 1) as usize).chain([last]);
-    let is_still =
-        !quiet && first < last && same_pictures(library, subject, some.map(|frame| sequence.scene(scene, frame)));
+    let is_still = !quiet
+        && scene.animation.tracks.is_empty()
+        && first < last
+        && same_pictures(library, subject, some.map(|frame| sequence.scene(scene, frame)));
     if is_still {
         tell(
             "still      nothing in the scene moves with time: all frames are the same picture; --turntable turns it\n",
         );
     }
+    tell(&loop_note(variant).map_or(String::new(), |note| format!("loop       {note}\n")));
     let mut manifest = Manifest::open(&manifest_path(output, shard), identity, restart)?;
     let stop = stop_flag()?;
+    let mut object = FrameObject::of(variant, subject);
     let mut renderer = Renderer::new(gpu, library, subject);
     let start = Instant::now();
     let mut rendered = 0;
     with_progress(quiet, "frames", |progress| -> Result<(), Box<dyn Error>> {
         let left: Vec<_> = frames.iter().filter(|(frame, path)| !manifest.has(*frame, path)).collect();
         let (mut next, mut drawn, depth) = (left.iter(), None, picture.depth());
-        type Drawn<'a> = (u32, &'a Path, Frame, Provenance);
-        let mut save = |(number, path, frame, provenance): Drawn<'_>| -> Result<(), Box<dyn Error + Send + Sync>> {
-            write(&frame, scene.image.background, depth, &provenance, path)?;
-            Ok(manifest.add(number, path)?)
-        };
+        type Drawn<'a> = (u32, &'a Path, Frame, Option<Color>, Provenance);
+        let mut save =
+            |(number, path, frame, behind, provenance): Drawn<'_>| -> Result<(), Box<dyn Error + Send + Sync>> {
+                write(&frame, behind, depth, &provenance, path)?;
+                Ok(manifest.add(number, path)?)
+            };
         loop {
             let next = if stop.load(Ordering::Relaxed) { None } else { next.next() };
             // A frame is written while the next one is drawn.
@@ -153,10 +234,13 @@ pub fn render_frames(
                 let save = &mut save;
                 let writing = drawn.take().map(|drawn| scope.spawn(move || save(drawn)));
                 let made = next.map(|(number, path)| -> Result<_, Box<dyn Error>> {
-                    let scene = sequence.scene(scene, *number);
-                    let frame = renderer.render(&scene)?;
-                    let provenance = picture.provenance(&scene, &frame)?;
-                    Ok((*number, path.as_path(), frame, provenance))
+                    let variant = Variant::of(&sequence.scene(scene, *number), library)?;
+                    if object.serve(&variant, library)? {
+                        renderer = Renderer::new(gpu, library, &object.subject);
+                    }
+                    let frame = renderer.render(&variant)?;
+                    let provenance = picture.provenance(&variant.scene, &frame)?;
+                    Ok((*number, path.as_path(), frame, variant.scene.image.background, provenance))
                 });
                 (made.transpose(), writing.map(|thread| thread.join().unwrap_or_else(|panic| resume_unwind(panic))))
             });

@@ -1,7 +1,7 @@
 //! `volume`: the density and color of a hypertextured object, as a fog volume.
 
 use super::scene_arguments::{ObjectFlags, SceneArguments, files_read};
-use super::sequence::Times;
+use super::sequence::{FrameObject, Times};
 use super::{absolute, say, say_json, with_device, with_progress};
 use clap::Args;
 use glam::{DMat3, DVec3};
@@ -59,7 +59,7 @@ pub(super) fn run(command: &Volume, options: &Options, quiet: bool) -> Result<()
     if command.half && format != VolumeFormat::OpenVdb {
         return Err(format!("--half: {} holds 32-bit floats; write a .vdb", path.display()).into());
     }
-    let scene = command.arguments.scene(&command.input, &command.object)?;
+    let scene = command.arguments.scene_and_base(&command.input, &command.object)?.0;
     let scenes = command.times.scenes(&scene, path)?;
     let outputs = || scenes.iter().map(|(_, path)| ("--output", path.clone()));
     output::check_all(outputs(), files_read(&command.input, &scene))?;
@@ -73,8 +73,12 @@ pub(super) fn run(command: &Volume, options: &Options, quiet: bool) -> Result<()
     let fault = try_custom_modules(&library, &variant, &subject)?;
     let quiet_lines = quiet || command.json;
     let (device, written) = with_device(options, |gpu| {
-        let maker = Maker { gpu, library: &library, subject: &subject, format, command, quiet };
-        let written = scenes.iter().map(|(scene, path)| maker.write(scene, path, quiet_lines));
+        let mut object = FrameObject::of(&variant, &subject);
+        let written = scenes.iter().map(|(scene, path)| {
+            object.serve(&Variant::of(scene, &library)?, &library)?;
+            let maker = Maker { gpu, library: &library, subject: &object.subject, format, command, quiet };
+            maker.write(scene, path, quiet_lines)
+        });
         Ok((gpu.info().title(), written.collect::<Result<Vec<_>, _>>()?))
     })?;
     if command.json {

@@ -199,6 +199,8 @@ pub(super) fn parse(path: &str, text: &str) -> Result<Declarations, LibraryError
         return Err(unknown);
     }
     found.reach.extend((!reach.is_empty()).then_some(reach));
+    let of_turbulence = text.lines().any(|line| line.trim() == "#include <turbulence>");
+    found.drifts.iter_mut().for_each(|drift| drift.of_turbulence = of_turbulence);
     Ok(found)
 }
 

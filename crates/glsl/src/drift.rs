@@ -10,6 +10,10 @@
 /// lattice. Higher loses precision in f32; lower jumps sooner.
 pub const PERIOD: f64 = 4096.0;
 
+/// Largest relative change of a speed to whole periods. Higher: motion is seen to be slower or faster. Lower: more noise is
+/// evaluated twice.
+const MOST_CHANGE: f64 = 0.34;
+
 /// A drift declared by a module.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drift {
@@ -18,6 +22,8 @@ pub struct Drift {
     /// Further factors: parameters, and the product of all numbers.
     names: Vec<String>,
     number: f64,
+    /// Whether turbulence drifts, or noise.
+    pub of_turbulence: bool,
 }
 
 impl Drift {
@@ -25,7 +31,7 @@ impl Drift {
     pub(super) fn parse(text: &str) -> Option<Drift> {
         let mut factors = text.split('*').map(str::trim);
         let speed = super::names::identifier(factors.next()?)?;
-        let mut drift = Drift { speed, names: Vec::new(), number: 1.0 };
+        let mut drift = Drift { speed, names: Vec::new(), number: 1.0, of_turbulence: false };
         for factor in factors {
             match factor.parse::<f64>() {
                 Ok(number) if number.is_finite() && number > 0.0 => drift.number *= number,
@@ -41,11 +47,35 @@ impl Drift {
         std::iter::once(&mut self.speed).chain(&mut self.names)
     }
 
+    /// Cells of noise per second.
+    fn rate(&self, value: impl Fn(&str) -> f32) -> f64 {
+        f64::from(value(&self.speed))
+            * self.names.iter().map(|name| f64::from(value(name))).product::<f64>()
+            * self.number
+    }
+
+    /// The nearest speed that moves noise by whole periods of `cells` in `seconds`; `None` if it differs too much.
+    pub fn whole(&self, seconds: f64, cells: f64, value: impl Fn(&str) -> f32) -> Option<f32> {
+        let periods = self.rate(&value) * seconds / cells;
+        let change = periods.round() / periods;
+        ((change - 1.0).abs() <= MOST_CHANGE).then(|| (f64::from(value(&self.speed)) * change) as f32)
+    }
+
+    /// The nearest speed that moves noise in `seconds` to at least a cell beside the places where it repeats after `cells`;
+    /// `None` for the own one.
+    pub fn apart(&self, seconds: f64, cells: f64, value: impl Fn(&str) -> f32) -> Option<f32> {
+        let moved = self.rate(&value) * seconds;
+        let whole = (moved / cells).round() * cells;
+        let (beside, apart) = ((moved - whole) * moved.signum(), (0.5 * cells).min(1.0));
+        let wanted = whole.abs() + if beside > 0.0 { apart } else { -apart };
+        let is_near = whole != 0.0 && beside.abs() < apart;
+        is_near.then(|| (f64::from(value(&self.speed)) * wanted / moved.abs()) as f32)
+    }
+
     /// The replacement of the speed at a time that the program has in f32; `None` while the original is precise enough.
     pub fn wrapped(&self, time: f64, value: impl Fn(&str) -> f32) -> Option<f32> {
-        let factors = self.names.iter().map(|name| f64::from(value(name))).product::<f64>();
         let speed = f64::from(value(&self.speed));
-        let cells = speed * factors * self.number * time;
+        let cells = self.rate(&value) * time;
         let is_far = cells.abs() > PERIOD && cells.is_finite();
         is_far.then(|| (speed * ((cells % PERIOD) / cells) * (time / f64::from(time as f32))) as f32)
     }
@@ -67,6 +97,21 @@ mod tests {
             assert!((wrapped - exact).abs() < PERIOD * 1.3e-7, "{time}: {wrapped} for {exact}");
         }
         assert_eq!(drift.wrapped(1e300, |_| f32::MAX), None, "no place at all");
+    }
+
+    #[test]
+    fn a_loop_has_whole_periods_at_nearly_the_same_speed_or_none() {
+        let drift = Drift::parse("rise * 0.45 * scale").unwrap();
+        let value = |name: &str| if name == "rise" { 0.6 } else { 3.0 };
+        let speed = drift.whole(4.0, 4.0, value).unwrap();
+        assert!((f64::from(speed) * 0.45 * 3.0 * 4.0 - 4.0).abs() < 1e-6, "3.24 cells become 4");
+        assert_eq!(drift.whole(4.0, 16.0, value), None, "3.24 of 16 cells");
+        assert_eq!(drift.whole(4.0, 4.0, |_| 0.0), None, "no motion");
+        for (seconds, cells) in [(4.0, 3.0), (4.9, 3.0), (5.5, 5.0)] {
+            let speed = drift.apart(seconds, 4.0, value).unwrap();
+            assert!((f64::from(speed) * 0.45 * 3.0 * seconds - cells).abs() < 1e-6, "{seconds} s");
+        }
+        assert_eq!([1.0, 7.5].map(|seconds| drift.apart(seconds, 4.0, value)), [None; 2], "0.8 and 6.1 cells");
     }
 
     #[test]

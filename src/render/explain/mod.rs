@@ -6,4 +6,4 @@ mod warnings;
 
 pub use describe::{describe_frame, octaves_held};
 pub use unused_settings::{same_pictures, unused_overrides, unused_settings};
-pub use warnings::warnings;
+pub use warnings::{loop_note, warnings};

@@ -28,8 +28,27 @@ pub fn warnings(m: &Measurements, variant: &Variant, subject: &Subject, library:
         thin_shell(scene, subject),
         guessed_sign(scene, subject),
         proposed_iso(subject),
+        loop_note(variant),
     ];
     all.into_iter().flatten().collect()
+}
+
+/// Motion of noise in a loop, in words.
+pub fn loop_note(variant: &Variant) -> Option<String> {
+    let objects = || [&variant.parameters].into_iter().chain(variant.parts.values());
+    let (period, two_phases) = variant.parameters.looped()?;
+    let speeds = objects().flat_map(|own| own.held_speeds(0.0).map(|(name, held)| (name, own.number(name), held)));
+    let changed = speeds.filter(|(_, own, held)| (own - held).abs() > 1e-4 * own.abs());
+    let mut notes: Vec<String> = changed.map(|(name, own, held)| format!("{name} = {own} runs at {held:.3}")).collect();
+    let why = match two_phases {
+        true => "noise fades into that of one loop before".to_string(),
+        false => format!("whole periods of the noise in {period} s"),
+    };
+    let drifts = two_phases && variant.slots.contains_key("phases");
+    (drifts || !notes.is_empty()).then(|| {
+        notes.push(why);
+        notes.join(", ")
+    })
 }
 
 /// The soft region has no width.

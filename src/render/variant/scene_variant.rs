@@ -107,6 +107,7 @@ impl Variant {
     /// Those of [`Scene::check`].
     pub fn of(scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
         let parameters = scene.check(library)?;
+        let scene = &*scene.moment()?;
         let entries = scene.entries();
         let mut choice = scene.slots(library);
         let parts = scene.check_parts(library)?;

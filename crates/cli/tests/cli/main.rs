@@ -6,6 +6,7 @@ mod common;
 #[path = "../common/program.rs"]
 mod program;
 
+mod animation;
 mod author;
 mod compare;
 mod corpus;

@@ -1,0 +1,236 @@
+//! Motion of settings over time.
+//!
+//! Role: the table `animation` of a scene file, in which a field of the scene has keyframes or an expression in place of its
+//! value. Invariant: [`Scene::moment`] is a scene without tracks, so that pictures, references and proofs know no motion.
+
+mod keys;
+mod repeat;
+mod track;
+
+pub use keys::{Ease, Key};
+pub(crate) use repeat::Looped;
+pub use track::Track;
+
+use super::schema::{self, Changes, Kind, Setting, setting};
+use super::setting::number;
+use super::{ParameterValue, Scene, SceneError};
+use crate::shader::Declarations;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use toml::{Table, Value};
+
+/// Name of the length of a loop in the table.
+const LOOP: &str = "loop";
+/// Name of the table.
+const TABLE: &str = "animation";
+
+/// Motion of a scene.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Table", into = "Table")]
+pub struct Animation {
+    /// Seconds after which all motion begins anew.
+    pub period: Option<f64>,
+    /// Motion of fields, by their names such as `camera.azimuth`.
+    pub tracks: BTreeMap<String, Track>,
+}
+
+impl Animation {
+    /// The settings of this table.
+    pub const SETTINGS: &[Setting] = &[Setting::new(
+        "animation.loop",
+        "Seconds after which all motion begins anew: keyframes, expressions, and the drift of noise.",
+        Changes::Images,
+        number(0.01, 1e6),
+    )
+    .usual(1.0, 20.0)
+    .optional("4")];
+
+    /// Whether nothing moves or repeats.
+    pub fn is_empty(&self) -> bool {
+        self.period.is_none() && self.tracks.is_empty()
+    }
+
+    /// The time within the loop.
+    pub fn wrapped(&self, time: f64) -> f64 {
+        self.period.map_or(time, |period| time.rem_euclid(period))
+    }
+
+    /// Adds a keyframe to a field; a keyframe of the same time is replaced, an expression too.
+    pub fn set_key(&mut self, field: &str, key: Key) {
+        let track = self.tracks.entry(field.into()).or_insert_with(|| Track::Keys(Vec::new()));
+        match track {
+            Track::Keys(keys) => {
+                keys.retain(|own| own.time != key.time);
+                let place = keys.partition_point(|own| own.time < key.time);
+                keys.insert(place, key);
+            }
+            Track::Expressions(_) => *track = Track::Keys(vec![key]),
+        }
+    }
+
+    /// Removes the keyframe of a field at a time; with the last one, the track.
+    pub fn remove_key(&mut self, field: &str, time: f64) {
+        if let Some(Track::Keys(keys)) = self.tracks.get_mut(field) {
+            keys.retain(|key| key.time != time);
+            if keys.is_empty() {
+                self.tracks.remove(field);
+            }
+        }
+    }
+}
+
+impl TryFrom<Table> for Animation {
+    type Error = String;
+
+    fn try_from(mut table: Table) -> Result<Animation, String> {
+        let mut animation = Animation::default();
+        if let Some(value) = table.remove(LOOP) {
+            let is_number = value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64));
+            animation.period = Some(is_number.ok_or_else(|| format!("{TABLE}.{LOOP} is a number of seconds"))?);
+        }
+        table.into_iter().try_for_each(|(name, value)| read(name, value, &mut animation.tracks))?;
+        Ok(animation)
+    }
+}
+
+/// Reads the tracks in a table, or that of a field.
+fn read(name: String, value: Value, tracks: &mut BTreeMap<String, Track>) -> Result<(), String> {
+    match value {
+        Value::Table(below) => {
+            below.into_iter().try_for_each(|(field, value)| read(format!("{name}.{field}"), value, tracks))
+        }
+        value => {
+            let track = Track::try_from(value).map_err(|reason| format!("{TABLE}.{name}: {reason}"))?;
+            tracks.insert(name, track);
+            Ok(())
+        }
+    }
+}
+
+impl From<Animation> for Table {
+    fn from(animation: Animation) -> Table {
+        let mut whole = Table::new();
+        whole.extend(animation.period.map(|period| (LOOP.into(), period.into())));
+        for (name, track) in animation.tracks {
+            insert(&mut whole, &name, track.into());
+        }
+        whole
+    }
+}
+
+/// Sets a field in a table by its path.
+fn insert(whole: &mut Table, path: &str, value: Value) {
+    match path.split_once('.') {
+        None => drop(whole.insert(path.into(), value)),
+        Some((table, rest)) => {
+            let below = whole.entry(table).or_insert_with(|| Table::new().into());
+            if let Some(below) = below.as_table_mut() {
+                insert(below, rest, value);
+            }
+        }
+    }
+}
+
+/// Whether a field may have a track: a number, numbers or a color.
+pub fn is_movable(field: &str) -> bool {
+    let is_parameter = field.split('.').rev().nth(1) == Some("parameters");
+    let moves = |setting: &Setting| {
+        let is_fixed = ["camera.time", "image.size"].contains(&setting.name) || setting.table() == TABLE;
+        !is_fixed && matches!(setting.kind, Kind::Number(_) | Kind::Whole(_) | Kind::Numbers(..) | Kind::Color)
+    };
+    is_parameter || schema::setting(field).is_some_and(moves)
+}
+
+impl Scene {
+    /// The scene at its time, without tracks; with a loop, its time is that within the loop.
+    ///
+    /// # Errors
+    /// A track has no value at that time, or one that its field does not take.
+    pub fn moment(&self) -> Result<Cow<'_, Scene>, SceneError> {
+        let Animation { period, tracks } = &self.animation;
+        self.check_animation()?;
+        let time = self.animation.wrapped(self.camera.time);
+        if tracks.is_empty() && time == self.camera.time {
+            return Ok(Cow::Borrowed(self));
+        }
+        let mut still = self.clone();
+        still.animation.tracks.clear();
+        still.camera.time = time;
+        let wrong = |limit: String| SceneError::value(TABLE, "", limit);
+        let mut whole = Table::try_from(&still).map_err(|error| wrong(error.to_string()))?;
+        for (field, track) in tracks {
+            let name = format!("{TABLE}.{field}");
+            let found = setting(field);
+            let is_whole = found.is_some_and(|setting| matches!(setting.kind, Kind::Whole(_)));
+            let mut value = track.value(&name, time, *period)?;
+            if let (true, Value::Float(number)) = (is_whole, &value) {
+                value = Value::Integer(number.round() as i64);
+            }
+            if field == "camera.rotation" {
+                value = unit(&value);
+            }
+            let check = found.map_or(Ok(()), |setting| setting.check(&name, &value));
+            check.map_err(|error| at_time(error, time))?;
+            insert(&mut whole, field, value);
+        }
+        let moved: Scene = whole.try_into().map_err(|error| wrong(super::error::reason(&error)))?;
+        Ok(Cow::Owned(moved))
+    }
+
+    /// Checks loop and tracks; the values of keyframes too.
+    fn check_animation(&self) -> Result<(), SceneError> {
+        let Animation { period, tracks } = &self.animation;
+        if let Some(period) = period {
+            Animation::SETTINGS[0].check(Animation::SETTINGS[0].name, &(*period).into())?;
+        }
+        for (field, track) in tracks {
+            let name = format!("{TABLE}.{field}");
+            if !is_movable(field) {
+                let limit = "numbers and colors of the scene have tracks, such as animation.camera.azimuth";
+                return Err(SceneError::value(name, "a track", limit));
+            }
+            track.check(&name, *period)?;
+            let Track::Keys(keys) = track else { continue };
+            let Some(setting) = setting(field) else { continue };
+            keys.iter()
+                .try_for_each(|key| setting.check(&name, &key.value).map_err(|error| at_time(error, key.time)))?;
+        }
+        Ok(())
+    }
+
+    /// Checks the keyframes of parameters against the declarations of the modules.
+    pub(super) fn check_keys_of_parameters(&self, declared: &Declarations) -> Result<(), SceneError> {
+        for (field, track) in &self.animation.tracks {
+            let (Some(name), Track::Keys(keys)) = (field.strip_prefix("parameters."), track) else { continue };
+            for key in keys {
+                let value = key.value.clone().try_into::<ParameterValue>();
+                let value =
+                    value.map_err(|_| SceneError::value(format!("{TABLE}.{field}"), &key.value, "a parameter"))?;
+                let of = Scene { parameters: [(name.into(), value)].into(), ..Scene::default() };
+                of.parameters(declared).map_err(|error| at_time(error, key.time))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The error with the time of a value.
+fn at_time(error: SceneError, time: f64) -> SceneError {
+    match error {
+        SceneError::Value { field, value, limit } => {
+            SceneError::Value { field, value: format!("{value} at {time} s"), limit }
+        }
+        other => other,
+    }
+}
+
+/// Numbers with the sum of squares 1.
+fn unit(value: &Value) -> Value {
+    let numbers: Vec<f64> = value.as_array().into_iter().flatten().filter_map(Value::as_float).collect();
+    let length = numbers.iter().map(|number| number * number).sum::<f64>().sqrt();
+    numbers.into_iter().map(|number| Value::Float(number / length)).collect::<Vec<_>>().into()
+}
+
+#[cfg(test)]
+mod tests;
