@@ -5,6 +5,7 @@
 
 use super::author::Gate;
 use super::background::{Background, silent};
+use hypertexture::output::Animated;
 use hypertexture::output::sequence::{frame_path, manifest_path};
 use hypertexture::scene::{self, Color, Scene};
 use hypertexture::shader::{self, Library};
@@ -102,6 +103,7 @@ impl Order {
                 let stem = self.path.file_stem().unwrap_or_default().to_string_lossy().replace('#', "");
                 self.path.with_file_name(format!("{stem}_####.png"))
             }
+            Kind::Sequence if Animated::of(&self.path).is_some() => self.path.with_extension("png"),
             _ => self.path.clone(),
         }
     }
@@ -118,7 +120,8 @@ impl Order {
     fn command(&self) -> Vec<String> {
         let mut words: Vec<String> =
             ["hypertexture", "--quiet", "render", "scene", "--output"].map(String::from).into();
-        words.push(self.pictures().display().to_string());
+        let output = if self.kind == Kind::Video { self.pictures() } else { self.path.clone() };
+        words.push(output.display().to_string());
         if let Some(error) = self.max_error {
             words.extend(["--max-error".into(), error.to_string()]);
         }

@@ -4,7 +4,7 @@ use super::Hand;
 use egui::Key;
 use egui::accesskit::Action;
 use egui_kittest::kittest::{NodeT, Queryable};
-use hypertexture::scene::preset;
+use hypertexture::scene::{Camera, Ease, Track, preset};
 use viewer::panels::Request;
 use viewer::playback::Playback;
 
@@ -79,4 +79,90 @@ fn the_object_is_looked_at_from_its_sides_and_from_views_that_were_kept() {
     next.click("view 1");
     assert_eq!(next.scene().camera.azimuth, 90.0);
     assert!(next.0.query_by_label("view 2").is_none());
+}
+
+#[test]
+fn keyframes_are_set_beside_controls_and_edited_on_their_track() {
+    const FURY: &str = "parameters.fury";
+    let mut hand = Hand::new(preset("fire").unwrap());
+    let keys = |hand: &mut Hand| match hand.scene().animation.tracks.get(FURY) {
+        Some(Track::Keys(keys)) => {
+            keys.iter().map(|key| (key.time, key.value.as_float().unwrap(), key.ease)).collect::<Vec<_>>()
+        }
+        other => panic!("{other:?}"),
+    };
+    hand.click("timeline keyframes");
+    hand.click(&format!("{FURY}.keyframe"));
+    assert_eq!(keys(&mut hand), [(0.0, 1.5, Ease::Linear)], "the value of the module");
+    hand.model().edit("camera.time", |scene| scene.camera.time = 4.0);
+    hand.0.run_steps(2);
+    hand.set(FURY, 3.5);
+    assert_eq!(keys(&mut hand), [(0.0, 1.5, Ease::Linear), (4.0, 3.5, Ease::Linear)], "a new value is a keyframe");
+    hand.model().edit("camera.time", |scene| scene.camera.time = 1.0);
+    hand.0.run_steps(2);
+    assert_eq!(hand.0.get_by_label(FURY).accesskit_node().numeric_value(), Some(2.0), "between them");
+    assert_eq!(keys(&mut hand).len(), 2);
+    hand.picture("keyframes");
+    // The second is dragged a quarter of the timeline to the right, but not over the end of its neighbors.
+    let (lane, key) = (hand.rect(&format!("{FURY} track")), hand.rect(&format!("{FURY} key 2")).center());
+    hand.drag(key, key + egui::vec2(0.25 * (lane.width() - 10.0), 0.0));
+    assert!((keys(&mut hand)[1].0 - 6.5).abs() < 0.02, "{:?}", keys(&mut hand));
+    // Its menu.
+    let menu = |hand: &mut Hand, name: &str, entry: &str| {
+        let pos = hand.rect(name).center();
+        for pressed in [true, false] {
+            let (button, modifiers) = (egui::PointerButton::Secondary, egui::Modifiers::NONE);
+            hand.0.event(egui::Event::PointerMoved(pos));
+            hand.0.event(egui::Event::PointerButton { pos, button, pressed, modifiers });
+            hand.0.run_steps(2);
+        }
+        hand.click(entry);
+        hand.0.run_steps(2);
+    };
+    let (first, second) = (format!("{FURY} key 1"), format!("{FURY} key 2"));
+    menu(&mut hand, &first, "keyframe smooth");
+    assert_eq!(keys(&mut hand)[0].2, Ease::Smooth);
+    menu(&mut hand, &first, "keyframe copy");
+    menu(&mut hand, &format!("{FURY} track"), "keyframe paste");
+    assert_eq!(keys(&mut hand)[1], (1.0, 1.5, Ease::Smooth), "at the present time");
+    hand.click(&second);
+    hand.0.key_press(Key::Delete);
+    hand.0.run_steps(2);
+    assert_eq!(keys(&mut hand).len(), 2);
+    hand.click("undo");
+    assert_eq!(keys(&mut hand).len(), 3);
+    // An expression in place of keyframes.
+    hand.click(&format!("{FURY}.express"));
+    hand.write(&format!("{FURY}.expression"), "2 + sin(time)");
+    assert_eq!(hand.scene().animation.tracks[FURY], Track::Expressions(vec!["2 + sin(time)".into()]));
+    hand.write(&format!("{FURY}.expression"), "2 + sin(tme)");
+    assert!(hand.model().message().unwrap().contains("`tme` is unknown"));
+    hand.click(&format!("{FURY}.drop"));
+    assert!(hand.scene().animation.is_empty());
+}
+
+#[test]
+fn bookmarks_become_a_path_and_a_loop_the_range_of_the_timeline() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut hand = Hand::new(preset("lit").unwrap());
+    hand.0.state_mut().panels.remember(Vec::new(), Some(folder.path().to_path_buf()));
+    hand.click("Camera");
+    hand.0.run_steps(30);
+    for side in ["front", "right", "back"] {
+        hand.click(&format!("camera.{side}"));
+        hand.click("camera.bookmark");
+    }
+    hand.click("animation.has_loop");
+    assert_eq!(
+        hand.0.state().requests,
+        [Request::Playback(Playback { range: [0.0, 4.0], repeats: true, ..Playback::default() })]
+    );
+    hand.click("camera.path");
+    let mut scene = hand.scene();
+    for (time, azimuth) in [(0.0, 0.0f32), (4.0 / 3.0, 90.0), (8.0 / 3.0, 180.0), (4.0, 0.0)] {
+        scene.camera.time = time;
+        let expected = Camera { azimuth, elevation: 0.0, rotation: None, ..Camera::default() }.turn();
+        let found = scene.moment().unwrap().camera.turn();
+        assert!(found.dot(expected).abs() > 0.9999, "{time} s: {found} for {expected}");
+    }
 }

@@ -81,7 +81,7 @@ impl App {
                 self.comparison.pinned = self.comparison.pinned.take().filter(|_| !on); // it is that of one variant
             }
             Request::Record(true) => {
-                let (scene, path) = (self.shown(), self.free_name("turntable", "_####.png"));
+                let (scene, path) = (self.timed(), self.free_name("turntable", "_####.png"));
                 self.panels.finals.add(Order::turntable(scene, self.model.library().clone(), path));
             }
             Request::Record(false) => self.panels.finals.stop(),

@@ -74,7 +74,7 @@ impl App {
 
     /// Rotates the trackball.
     fn roll(&mut self, ui: &Ui, to: Pos2, delta: Vec2) {
-        self.navigation.ball.follow(&self.model.scene().camera);
+        self.navigation.ball.follow(&self.model.present().camera);
         if delta == Vec2::ZERO {
             self.navigation.last_turn.1 = 0.0;
             return;
@@ -120,7 +120,7 @@ impl App {
     /// Rotates a gliding trackball.
     pub(super) fn glide(&mut self, passed: f64) {
         let Some((axis, speed)) = self.navigation.glide else { return };
-        self.navigation.ball.follow(&self.model.scene().camera);
+        self.navigation.ball.follow(&self.model.present().camera);
         self.navigation.ball.spin(axis, speed * passed);
         self.turn();
         let slower = speed * GLIDE.powf(passed);

@@ -4,6 +4,7 @@ use super::state::App;
 use crate::worker::{Job, Variant, sight};
 use egui::Ui;
 use hypertexture::scene::Scene;
+use std::borrow::Cow;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -15,13 +16,20 @@ const REST: Duration = Duration::from_millis(200);
 const FRAME: Duration = Duration::from_millis(16);
 
 impl App {
-    /// The scene at the current time.
-    pub(super) fn shown(&self) -> Scene {
+    /// The scene at the current time, with its motion.
+    pub(super) fn timed(&self) -> Scene {
         let mut scene = self.model.scene().clone();
         if let Some(clock) = self.time.clock {
             scene.camera.time = clock;
         }
         scene
+    }
+
+    /// The scene at the current time.
+    pub(super) fn shown(&self) -> Scene {
+        let timed = self.timed();
+        let moment = timed.moment().map(Cow::into_owned);
+        moment.unwrap_or(timed) // its check says why
     }
 
     /// Submits a job if the scene or its rendering options have changed.

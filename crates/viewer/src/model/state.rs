@@ -25,6 +25,8 @@ pub struct Model {
     /// Texts by the files to which they were written.
     pub(super) written: BTreeMap<PathBuf, String>,
     pub(super) home: Camera,
+    /// Time of playback.
+    pub(super) clock: Option<f64>,
     pub(super) message: Option<Message>,
 }
 
@@ -55,6 +57,7 @@ impl Model {
             file: None,
             written: BTreeMap::new(),
             home,
+            clock: None,
             message: None,
         })
     }
@@ -115,8 +118,14 @@ impl Model {
     ///
     /// Returns whether the change was accepted; if not, [`Model::message`] says why.
     pub fn edit(&mut self, what: &str, change: impl FnOnce(&mut Scene)) -> bool {
-        let mut scene = self.scene.clone();
+        let mut scene = self.present();
         change(&mut scene);
+        self.change(what, scene)
+    }
+
+    /// Changes the scene to one made of [`Model::present`]; see [`Model::edit`].
+    pub fn change(&mut self, what: &str, mut scene: Scene) -> bool {
+        self.set_keys(&mut scene);
         self.propose(what, scene)
     }
 
@@ -260,6 +269,8 @@ fn normalize(scene: &mut Scene, library: &Library) -> Result<(), SceneError> {
     slots.extend(objects.collect::<Vec<_>>().into_iter().map(|slot| (slot, vec!["normals".into()])));
     let declared = library.declarations(&scene.entries(), &slots)?.parameters;
     keep_declared(&mut scene.parameters, &declared);
+    let is_declared = |name: &str| declared.iter().any(|parameter| parameter.name == name);
+    scene.animation.tracks.retain(|field, _| field.strip_prefix("parameters.").is_none_or(is_declared));
     for (name, part) in &mut scene.parts {
         keep_declared(&mut part.parameters, &library.object_declarations(name, &slots)?.parameters);
     }

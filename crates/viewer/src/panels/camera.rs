@@ -7,7 +7,7 @@ use super::settings;
 use super::widgets::{button, named};
 use crate::trackball::level_angles;
 use egui::{Button, Ui};
-use hypertexture::scene::Camera;
+use hypertexture::scene::{Camera, Ease, Key, Scene};
 use toml::Value;
 
 /// Standard views: name, azimuth and elevation in degrees.
@@ -60,6 +60,7 @@ pub(super) fn camera(ui: &mut Ui, pass: &mut Pass<'_>, bookmarks: &mut Bookmarks
     }
     let touched = pass.touch.take();
     settings::table(ui, pass, "", "camera");
+    settings::table(ui, pass, "", "animation");
     let camera = &mut pass.draft.camera;
     if let Some([azimuth, elevation]) = angles {
         match pass.touch.as_deref() {
@@ -94,7 +95,36 @@ fn views(ui: &mut Ui, pass: &mut Pass<'_>, bookmarks: &mut Bookmarks) {
             }
         }
     });
+    if bookmarks.views.len() > 1 {
+        let doc = "Let the camera go from view to view over the range of the timeline: keyframes.";
+        if button(ui, "path through the views", "camera.path", doc).clicked() {
+            path(&mut pass.draft, &bookmarks.views, pass.status.playback.range);
+            pass.touch = Some("path of the camera".into());
+        }
+    }
     removed.into_iter().for_each(|index| bookmarks.remove(index));
+}
+
+/// Sets keyframes of the camera that go through views, over a range of time, or around the loop.
+fn path(scene: &mut Scene, views: &[Camera], [from, to]: [f64; 2]) {
+    scene.animation.tracks.retain(|field, _| !field.starts_with("camera."));
+    let spans = views.len() as f64 - if scene.animation.period.is_some() { 0.0 } else { 1.0 };
+    let [from, to] = scene.animation.period.map_or([from, to], |period| [0.0, period]);
+    let mut last = views[0].turn();
+    for (index, view) in views.iter().enumerate() {
+        let turn = view.turn();
+        last = if turn.dot(last) < 0.0 { -turn } else { turn }; // the shorter way
+        let time = from + (to - from) * index as f64 / spans;
+        let floats = |values: &[f32]| Value::from(values.iter().map(|value| f64::from(*value)).collect::<Vec<_>>());
+        for (field, value) in [
+            ("camera.rotation", floats(&last.to_array())),
+            ("camera.pan", floats(&view.pan)),
+            ("camera.zoom", Value::from(f64::from(view.zoom))),
+            ("camera.field_of_view", Value::from(f64::from(view.field_of_view))),
+        ] {
+            scene.animation.set_key(field, Key { time, value, ease: Ease::Smooth });
+        }
+    }
 }
 
 #[cfg(test)]

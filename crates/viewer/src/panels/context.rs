@@ -39,6 +39,8 @@ pub(super) struct Pass<'a> {
     pub(super) model: &'a Model,
     pub(super) status: &'a Status,
     pub(super) advanced: bool,
+    /// Whether controls have diamonds for keyframes.
+    pub(super) keys: bool,
 }
 
 impl Pass<'_> {

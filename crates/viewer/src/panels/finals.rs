@@ -151,7 +151,13 @@ impl Finals {
             let motion = &mut self.motion;
             let frames = field("final.frames", "Number of pictures.");
             number(ui, &mut None, &frames, &mut motion.frames, 1..=1000);
+            let mut seconds = f64::from(motion.frames) / motion.fps;
+            let (mut touch, length) = (None, field("final.seconds", "Length of the motion, seconds."));
+            number(ui, &mut touch, &length, &mut seconds, 0.1..=60.0);
+            let before = f64::from(motion.frames) / motion.fps;
             number(ui, &mut None, &field("final.fps", "Pictures per second."), &mut motion.fps, 1.0..=60.0);
+            seconds = if touch.is_some() { seconds } else { before };
+            motion.frames = ((seconds * motion.fps).round() as u32).max(1);
             let around = field("final.turntable", "The camera goes once around the object.");
             switch(ui, &mut None, &around, &mut motion.turntable);
             let again = field("final.restart", "Render finished frames again; otherwise a stopped sequence continues.");
@@ -184,7 +190,9 @@ impl Finals {
             }
         });
         let response = ui.add(TextEdit::singleline(&mut self.path).desired_width(f32::INFINITY));
-        named(ui, &response, "final.file").on_hover_text("Path: .png or .exr; #### is the number of a frame.");
+        named(ui, &response, "final.file").on_hover_text(
+            "Path: .png or .exr; #### is the number of a frame. A sequence may be a .webp, .gif or .apng.",
+        );
     }
 
     /// Width and height.

@@ -5,8 +5,8 @@ use super::dialogs::{self, Question};
 use super::request::Request;
 use super::status::Status;
 use super::{
-    accuracy, bookmarks, camera, editor, effect, file_info, finals, messages, object, parameters, presets, settings,
-    status_bar, theme, timeline, toolbar, transfer, widgets,
+    accuracy, bookmarks, camera, editor, effect, file_info, finals, keyframes, messages, object, parameters, presets,
+    settings, status_bar, theme, timeline, toolbar, transfer, widgets,
 };
 use crate::author::Author;
 use crate::message::Message;
@@ -49,6 +49,7 @@ pub struct Panels {
     width: f32,
     most: f32,
     theme: theme::Chosen,
+    keyframes: keyframes::Keyframes,
     pub(crate) finals: finals::Finals,
 }
 
@@ -80,6 +81,7 @@ impl Panels {
             width: WIDTH,
             most: 0.0,
             theme: theme::Chosen::default(),
+            keyframes: keyframes::Keyframes::default(),
         })
     }
 
@@ -138,7 +140,9 @@ impl Panels {
         Panel::bottom("status").show(ui, |ui| status_bar::show(ui, status));
         let mut requests = Vec::new();
         if !self.hidden {
-            Panel::bottom("time").show(ui, |ui| timeline::show(ui, model, status, &mut requests));
+            Panel::bottom("time").show(ui, |ui| {
+                timeline::show(ui, model, status, &mut self.keyframes, &mut requests);
+            });
             // In a small window, most of the area is for the picture.
             let most = (PART * ui.available_width()).clamp(LEAST, MOST);
             if std::mem::replace(&mut self.most, most) != most {
@@ -190,10 +194,11 @@ impl Panels {
 
     fn controls(&mut self, ui: &mut Ui, model: &mut Model, status: &Status) -> Vec<Request> {
         self.selected = self.selected.take().filter(|name| model.scene().parts.contains_key(name));
-        let (draft, acts, requests) = (model.scene().clone(), Vec::new(), Vec::new());
+        let (draft, acts, requests) = (model.present(), Vec::new(), Vec::new());
         let values = draft.fields().into_iter().collect();
-        let advanced = self.advanced;
-        let mut pass = Pass { draft, values, refused: None, touch: None, acts, requests, model, status, advanced };
+        let (advanced, keys) = (self.advanced, self.keyframes.shown);
+        let mut pass =
+            Pass { draft, values, refused: None, touch: None, acts, requests, model, status, advanced, keys };
         ui.add_space(4.0);
         self.dialogs.offer(ui, &mut pass.acts);
         toolbar::history(ui, &mut pass, &mut self.author_is_open);
@@ -206,7 +211,7 @@ impl Panels {
         ScrollArea::vertical().id_salt("controls").auto_shrink(false).show(ui, |ui| self.sections(ui, &mut pass));
         let Pass { draft, touch, refused, acts, mut requests, .. } = pass;
         if let Some(what) = touch {
-            model.propose(&what, draft);
+            model.change(&what, draft);
         }
         refused.into_iter().for_each(|line| model.say(line));
         acts.into_iter().for_each(|act| self.act(act, model));

@@ -1,10 +1,12 @@
 //! Parameters of modules, as sliders and colors.
 
 use super::context::{Pass, own, prefix};
+use super::keyframes::diamond;
 use super::widgets::{self, color, field, number};
 use egui::{Button, RichText, Ui};
-use hypertexture::scene::ParameterValue;
+use hypertexture::scene::{LOOP_SECONDS, ParameterValue};
 use hypertexture::shader::ParameterKind;
+use toml::Value;
 
 /// The parameters of an object.
 pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
@@ -12,12 +14,16 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
     if declared.iter().next().is_none() {
         ui.label(RichText::new("the modules of this effect have no parameters").weak());
     }
-    let values = own(&mut pass.draft, part).parameters;
-    for (parameter, value) in declared.iter() {
+    for (parameter, value) in declared.iter().filter(|(parameter, _)| parameter.name != LOOP_SECONDS) {
         let name = format!("{}parameters.{}", prefix(part), parameter.name);
         let field = field(&name, &parameter.doc);
         let mut new = value.clone();
         ui.horizontal(|ui| {
+            let now = match value {
+                ParameterValue::Number(number) => Value::Float(f64::from(*number)),
+                ParameterValue::Color(color) => String::from(*color).into(),
+            };
+            diamond(ui, pass, &name, Some(&now));
             match (parameter.kind, &mut new) {
                 (ParameterKind::Number(_, [low, high]), ParameterValue::Number(value)) => {
                     number(ui, &mut pass.touch, &field, value, low..=high);
@@ -40,7 +46,7 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
             }
         });
         if new != *value {
-            values.insert(parameter.name.clone(), new);
+            own(&mut pass.draft, part).parameters.insert(parameter.name.clone(), new);
         }
     }
 }

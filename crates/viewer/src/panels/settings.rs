@@ -1,10 +1,11 @@
 //! Controls of settings, generated from the schema.
 
 use super::context::Pass;
+use super::keyframes;
 use super::widgets::{self, Field, choice, color, field, number, numbers, switch, text};
 use egui::Ui;
-use hypertexture::scene::Color;
 use hypertexture::scene::schema::{self, Kind, SETTINGS, Setting, float};
+use hypertexture::scene::{Color, is_movable};
 use hypertexture::shader::Library;
 use toml::Value;
 
@@ -18,7 +19,7 @@ const NOT_CHOSEN: [&str; 4] = ["objects", "stack", "surface_segment", "soft_segm
 const MADE: &str = "camera.matrices";
 
 /// Basic settings.
-const BASIC: [&str; 24] = [
+const BASIC: [&str; 25] = [
     "object.input",
     "object.iso",
     "object.up",
@@ -39,6 +40,7 @@ const BASIC: [&str; 24] = [
     "camera.zoom",
     "camera.field_of_view",
     "camera.time",
+    "animation.loop",
     "quality.samples",
     "quality.supersampling",
     "transfer.curve",
@@ -78,7 +80,14 @@ pub(super) fn show_some(ui: &mut Ui, pass: &mut Pass<'_>, prefix: &str, name: &s
 fn control(ui: &mut Ui, pass: &mut Pass<'_>, prefix: &str, setting: &Setting, offered: &dyn Fn(u32) -> bool) {
     if (pass.advanced || BASIC.contains(&setting.name)) && setting.name != MADE {
         let name = format!("{prefix}{}", setting.name);
-        pass.dimmed(ui, &name, |ui, pass| rows(ui, pass, prefix, setting, offered));
+        pass.dimmed(ui, &name, |ui, pass| match pass.keys && is_movable(&name) {
+            true => drop(ui.horizontal(|ui| {
+                let value = pass.values.get(&name).cloned();
+                keyframes::diamond(ui, pass, &name, value.as_ref());
+                ui.vertical(|ui| rows(ui, pass, prefix, setting, offered));
+            })),
+            false => rows(ui, pass, prefix, setting, offered),
+        });
     }
 }
 

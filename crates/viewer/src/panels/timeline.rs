@@ -1,5 +1,6 @@
 //! The timeline below the picture.
 
+use super::keyframes::Keyframes;
 use super::request::Request;
 use super::status::Status;
 use super::widgets::{button, named};
@@ -7,10 +8,16 @@ use crate::model::Model;
 use egui::{DragValue, Slider, SliderClamping, Ui};
 
 /// Width of the controls right of the slider, points.
-const RIGHT: f32 = 300.0;
+const RIGHT: f32 = 330.0;
 
-/// Playback button, time slider, speed, repetition and range.
-pub(super) fn show(ui: &mut Ui, model: &Model, status: &Status, requests: &mut Vec<Request>) {
+/// Playback button, time slider, speed, repetition and range; below them the tracks.
+pub(super) fn show(
+    ui: &mut Ui,
+    model: &mut Model,
+    status: &Status,
+    keyframes: &mut Keyframes,
+    requests: &mut Vec<Request>,
+) {
     let (mut playback, mut time) = (status.playback, status.time.unwrap_or(model.scene().camera.time));
     ui.horizontal(|ui| {
         let (text, doc) = if status.paused { ("⏵", "Play (Space).") } else { ("⏸", "Pause (Space).") };
@@ -40,9 +47,11 @@ pub(super) fn show(ui: &mut Ui, model: &Model, status: &Status, requests: &mut V
         };
         end(ui, from, "timeline from", "Start of the timeline.");
         end(ui, to, "timeline to", "End of the timeline.");
+        keyframes.switch(ui, model, &mut playback);
     });
     playback.range[1] = playback.range[1].max(playback.range[0] + 0.01);
     if playback != status.playback {
         requests.push(Request::Playback(playback));
     }
+    keyframes.show(ui, model, playback.range, requests);
 }

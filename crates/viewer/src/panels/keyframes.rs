@@ -1,0 +1,270 @@
+//! Keyframes: diamonds beside controls, and the tracks below the timeline.
+
+use super::context::Pass;
+use super::request::Request;
+use super::widgets::{self, Field, button, field, named};
+use crate::keys;
+use crate::model::Model;
+use crate::playback::Playback;
+use egui::{Button, Color32, Key as KeyName, Pos2, Rect, Response, ScrollArea, Sense, Shape, Stroke, Ui, vec2};
+use hypertexture::scene::{Ease, Key, Scene, Track, is_movable};
+use toml::Value;
+
+/// Width of the names of the tracks, their height, and the height of all that are seen at once, points.
+const NAMES: f32 = 150.0;
+const HEIGHT: f32 = 18.0;
+const MOST: f32 = 132.0;
+/// Half the size of a keyframe, points.
+const HALF: f32 = 5.0;
+/// Smallest distance of neighbors, seconds.
+const APART: f64 = 1e-3;
+
+/// State of the tracks.
+#[derive(Default)]
+pub(super) struct Keyframes {
+    /// Whether tracks and diamonds are shown.
+    pub(super) shown: bool,
+    /// Track and number of the selected keyframe.
+    selected: Option<(String, usize)>,
+    copied: Option<Key>,
+    /// Length of the loop in the last pass.
+    period: Option<f64>,
+}
+
+/// A change of a track.
+enum Change {
+    Move(usize, f64),
+    Ease(usize, Ease),
+    Remove(usize),
+    Paste,
+    Express,
+    Write(String),
+    Drop,
+}
+
+/// A button that sets or removes the keyframe of a field at the present time. `value` is that of the field.
+pub(super) fn diamond(ui: &mut Ui, pass: &mut Pass<'_>, name: &str, value: Option<&Value>) {
+    let Some(value) = value.filter(|_| pass.keys && is_movable(name)) else { return };
+    let (text, doc) = match (pass.model.key(name), pass.model.scene().animation.tracks.get(name)) {
+        (Some(_), _) => ("\u{25c6}", "Remove the keyframe at this time."),
+        (_, Some(Track::Expressions(_))) => ("\u{192}", "Replace the expression by a keyframe."),
+        (_, Some(_)) => ("\u{25c8}", "Set a keyframe at this time; another value does so too."),
+        (_, None) => ("\u{25c7}", "Set a keyframe at this time."),
+    };
+    let response = ui.add(Button::new(text).small().frame(false)).on_hover_text(doc);
+    if named(ui, &response, &format!("{name}.keyframe")).clicked() {
+        let model = pass.model;
+        match model.key(name).map(|key| key.time) {
+            Some(time) => pass.draft.animation.remove_key(name, time),
+            None => model.set_key(&mut pass.draft, name, value),
+        }
+        pass.touch = Some(format!("keyframe of {name}"));
+    }
+}
+
+impl Keyframes {
+    /// The switch of the tracks; a new loop becomes the range of the timeline.
+    pub(super) fn switch(&mut self, ui: &mut Ui, model: &Model, playback: &mut Playback) {
+        let response = ui.toggle_value(&mut self.shown, "\u{25c6}");
+        named(ui, &response, "timeline keyframes").on_hover_text("Show keyframes: a diamond beside each control.");
+        let period = model.scene().animation.period;
+        if let (true, Some(period)) = (self.period != period, period) {
+            (playback.range, playback.repeats) = ([0.0, period], true);
+        }
+        self.period = period;
+    }
+
+    /// The tracks.
+    pub(super) fn show(&mut self, ui: &mut Ui, model: &mut Model, range: [f64; 2], requests: &mut Vec<Request>) {
+        if !self.shown {
+            return;
+        }
+        let tracks = model.scene().animation.tracks.clone();
+        if tracks.is_empty() {
+            ui.weak("No keyframes: click the diamond beside a control.");
+        }
+        let mut change = None;
+        ScrollArea::vertical().id_salt("tracks").max_height(MOST).auto_shrink([false, true]).show(ui, |ui| {
+            for (name, track) in &tracks {
+                let made = ui.horizontal(|ui| self.track(ui, model, (name, track), range, requests)).inner;
+                change = change.take().or(made.map(|change| (name.clone(), change)));
+            }
+        });
+        let is_deleted = ui.input(|input| input.key_pressed(KeyName::Delete)) && !keys::writes(ui.ctx());
+        if let (true, Some((name, number))) = (is_deleted, self.selected.take_if(|_| is_deleted)) {
+            change = Some((name, Change::Remove(number)));
+        }
+        if let Some((name, change)) = change {
+            let copied = self.copied.clone();
+            model.edit(&format!("track {name}"), |scene| apply(scene, &name, change, copied));
+        }
+    }
+
+    /// One track: its name, then its keyframes or its expression.
+    fn track(
+        &mut self,
+        ui: &mut Ui,
+        model: &Model,
+        (name, track): (&str, &Track),
+        range: [f64; 2],
+        requests: &mut Vec<Request>,
+    ) -> Option<Change> {
+        let mut change = None;
+        ui.allocate_ui(vec2(NAMES, HEIGHT), |ui| {
+            ui.set_min_width(NAMES);
+            ui.add(egui::Label::new(name).truncate());
+        });
+        if button(ui, "\u{2716}", &format!("{name}.drop"), "Remove the motion; the present value stays.").clicked() {
+            change = Some(Change::Drop);
+        }
+        match track {
+            Track::Expressions(texts) => {
+                let mut text = texts.join("; ");
+                let mut touch = None;
+                let doc = "An expression in time, such as 1 + sin(2 * PI * time / 4); several are parted by ;";
+                let row = Field { text: Some(""), ..field(format!("{name}.expression"), doc) };
+                widgets::text(ui, &mut touch, &row, &mut text);
+                touch.map(|_| Change::Write(text)).or(change)
+            }
+            Track::Keys(list) => {
+                if button(ui, "\u{192}", &format!("{name}.express"), "Use an expression in time instead.").clicked() {
+                    change = Some(Change::Express);
+                }
+                self.keys(ui, model, (name, list), range, requests).or(change)
+            }
+        }
+    }
+
+    fn keys(
+        &mut self,
+        ui: &mut Ui,
+        model: &Model,
+        (name, list): (&str, &[Key]),
+        [from, to]: [f64; 2],
+        requests: &mut Vec<Request>,
+    ) -> Option<Change> {
+        let mut change = None;
+        let (lane, row) = ui.allocate_exact_size(vec2(ui.available_width().max(60.0), HEIGHT), Sense::click());
+        let (left, width) = (lane.left() + HALF, f64::from((lane.width() - 2.0 * HALF).max(1.0)));
+        let x = |time: f64| left + (width * (time - from) / (to - from)) as f32;
+        let color = ui.visuals().weak_text_color();
+        ui.painter().hline(lane.x_range(), lane.center().y, Stroke::new(1.0, color));
+        ui.painter().vline(x(model.time()), lane.y_range(), Stroke::new(1.0, ui.visuals().selection.stroke.color));
+        named(ui, &row, &format!("{name} track"));
+        row.context_menu(|ui| {
+            let paste = ui.add_enabled(self.copied.is_some(), Button::new("paste at this time"));
+            if named(ui, &paste, "keyframe paste").clicked() {
+                change = Some(Change::Paste);
+                ui.close();
+            }
+        });
+        for (number, key) in list.iter().enumerate() {
+            let center = Pos2::new(x(key.time), lane.center().y);
+            let id = ui.id().with((name, number));
+            let place = Rect::from_center_size(center, vec2(2.5 * HALF, HEIGHT));
+            let response = ui.interact(place, id, Sense::click_and_drag());
+            let own = (name.to_string(), number);
+            let is_selected = self.selected.as_ref() == Some(&own);
+            paint(ui, center, key.ease, is_selected || response.hovered());
+            named(ui, &response, &format!("{name} key {}", number + 1)).on_hover_text(format!(
+                "{} at {} s, {}",
+                key.value,
+                key.time,
+                key.ease.name()
+            ));
+            if response.clicked() || response.drag_started() {
+                self.selected = Some(own);
+            }
+            if response.clicked() {
+                requests.push(Request::Time(key.time));
+            }
+            if let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged()) {
+                let time = from + (to - from) * f64::from(at.x - left) / width;
+                change = Some(Change::Move(number, (100.0 * time).round() / 100.0));
+            }
+            change = self.menu(&response, number, key).or(change);
+        }
+        change
+    }
+
+    /// The menu of a keyframe.
+    fn menu(&mut self, response: &Response, number: usize, key: &Key) -> Option<Change> {
+        let mut change = None;
+        response.context_menu(|ui| {
+            for (name, ease, doc) in [
+                ("linear", Ease::Linear, "Go evenly to the next keyframe."),
+                ("smooth", Ease::Smooth, "Go to the next keyframe without a jump of the speed."),
+                ("hold", Ease::Hold, "Stay until the next keyframe."),
+            ] {
+                let choice = ui.selectable_label(key.ease == ease, name).on_hover_text(doc);
+                if named(ui, &choice, &format!("keyframe {name}")).clicked() {
+                    change = Some(Change::Ease(number, ease));
+                    ui.close();
+                }
+            }
+            if button(ui, "copy", "keyframe copy", "Copy value and way.").clicked() {
+                self.copied = Some(key.clone());
+                ui.close();
+            }
+            if button(ui, "delete", "keyframe delete", "Delete it (Delete).").clicked() {
+                change = Some(Change::Remove(number));
+                ui.close();
+            }
+        });
+        change
+    }
+}
+
+/// A keyframe: a diamond, a disk if the way from it is smooth, a square if it holds.
+fn paint(ui: &Ui, center: Pos2, ease: Ease, is_bright: bool) {
+    let fill = if is_bright { ui.visuals().strong_text_color() } else { Color32::from_rgb(232, 163, 61) };
+    let corner = |x: f32, y: f32| center + HALF * vec2(x, y);
+    let shape = match ease {
+        Ease::Linear => {
+            let corners = vec![corner(0.0, -1.0), corner(1.0, 0.0), corner(0.0, 1.0), corner(-1.0, 0.0)];
+            Shape::convex_polygon(corners, fill, Stroke::NONE)
+        }
+        Ease::Smooth => Shape::circle_filled(center, 0.9 * HALF, fill),
+        Ease::Hold => Shape::rect_filled(Rect::from_center_size(center, vec2(1.6, 1.6) * HALF), 0.0, fill),
+    };
+    ui.painter().add(shape);
+}
+
+fn apply(scene: &mut Scene, name: &str, change: Change, copied: Option<Key>) {
+    let time = scene.animation.wrapped(scene.camera.time);
+    let period = scene.animation.period;
+    let value = scene.fields().into_iter().find(|(field, _)| field == name).map(|(_, value)| value);
+    let Some(track) = scene.animation.tracks.get_mut(name) else { return };
+    match (change, &mut *track) {
+        (Change::Move(number, wanted), Track::Keys(keys)) => {
+            let before = number.checked_sub(1).map(|before| keys[before].time + APART);
+            let after = keys.get(number + 1).map(|after| after.time - APART);
+            let low = before.or(period.map(|_| 0.0)).unwrap_or(f64::MIN);
+            let high = after.or(period).unwrap_or(f64::MAX);
+            keys[number].time = wanted.clamp(low, high.max(low));
+        }
+        (Change::Ease(number, ease), Track::Keys(keys)) => keys[number].ease = ease,
+        (Change::Remove(number), Track::Keys(keys)) if number < keys.len() => {
+            let time = keys[number].time;
+            scene.animation.remove_key(name, time);
+        }
+        (Change::Paste, _) => {
+            if let Some(key) = copied {
+                scene.animation.set_key(name, Key { time, ..key });
+            }
+        }
+        (Change::Express, _) => {
+            let texts = match value {
+                Some(Value::Array(all)) => all.iter().map(Value::to_string).collect(),
+                Some(value) if !value.is_str() => vec![value.to_string()],
+                _ => return,
+            };
+            *track = Track::Expressions(texts);
+        }
+        (Change::Write(text), _) => {
+            *track = Track::Expressions(text.split(';').map(|part| part.trim().to_string()).collect());
+        }
+        (Change::Drop, _) => drop(scene.animation.tracks.remove(name)),
+        _ => {}
+    }
+}
