@@ -28,5 +28,6 @@ Sample sample_object(vec3 x) {
     s.hair_normal = s.normal;
     s.hair_tangent = s.normal;
     s.hair_length = outer_iso_value - iso_value;
+    groomed(s.root = x - (s.distance - iso_value) * s.normal;)
     return s;
 }

@@ -2,6 +2,7 @@
 // Source: MJ 6 (the variables available to a DMF).
 // Object space and object units. A DMF that leaves something takes `inout Sample s`; no sample sees what was left in
 // another, so that a probe beside it changes nothing.
+#include <groom>
 struct Sample {
     vec3 x;             // object position
     float distance;     // signed distance to the surface, positive outside
@@ -14,6 +15,7 @@ struct Sample {
     vec3 hair_normal;   // unit normal of the skin at the root of the hair here: left by a DMF that grows hair (PH 4)
     vec3 hair_tangent;  // unit vector along that hair, towards its tip
     float hair_length;  // of the hair here, object units: left by a DMF that grows it; the soft region's width elsewhere
+    groomed(vec3 root;)     // where the skin is painted for this place: the foot, or the root left by a DMF that grows hair
 };
 
 const float BELOW_ONE = 0.99999994;     // the largest density of soft matter in f32

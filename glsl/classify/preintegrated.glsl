@@ -2,6 +2,7 @@
 // Source: Engel, Kraus and Ertl 2001 (cited by MJ 2); GG 39.6.1.
 // x: object space, middle of the segment; path: object units; result premultiplied linear RGBA.
 // The table holds the segment of one slice spacing; a longer path under perspective scales its optical depth.
+// @groom length color
 // @outside transfer
 // @segments preintegrated
 #include "sample.glsl"
@@ -12,7 +13,10 @@
 
 float far_density = 0.0;        // at the end of the step before, along a ray
 
-float end_density(Sample s) { return clamp(modulate(s.density, s), 0.0, 1.0); }
+float end_density(Sample s) {
+    groomed(s.density = groom_depth(s.density, s.root);)
+    return clamp(modulate(s.density, s), 0.0, 1.0);
+}
 
 vec4 classify(vec3 x, float path) {
     vec3 half_segment = mat3(texture_matrix) * (to_eye() * (0.5 * path));
@@ -26,5 +30,6 @@ vec4 classify(vec3 x, float path) {
     vec4 matter = textureLod(segment_map, (ends * (size - 1.0) + 0.5) / size, 0.0);
     if (matter.a <= 0.0) return vec4(0.0);
     float alpha = matter.a >= 1.0 ? 1.0 : -exp_minus_one(path / step_size * log_one_minus(matter.a));
+    groomed(matter.rgb = matter.a * groom_color(matter.rgb / matter.a, far.root);)
     return vec4(matter.rgb / matter.a * alpha, alpha);
 }

@@ -1,6 +1,7 @@
 // Fire: a soft region that is wider above the object than below it, torn into tongues by turbulence that rises.
 // Source: PH 2.4 (fire ball: D(x (1 + turbulence(x)))), MJ 6 (fire varying with height); the form is a reconstruction.
 // density: D in [0, 1]; result in [0, 1]. Leaves the wide normal to the medium where flames are.
+// @groom length density
 // @outer flame_length
 // @drift rise * 0.45 * flame_scale
 // @param flame_length = 0.5 in [0.01, 1.5]: Length of the flames above the object, object units.
@@ -40,8 +41,10 @@ float fire(float density, inout Sample s) {
     float up = smoothstep(-0.8, 0.9, s.wide_normal.y);
     float reach = mix(0.22, 1.0, up);                            // of the flame length, in this direction
     float away = clamp((1.0 - density) / reach, 0.0, 1.0);       // 0 at the object, 1 at the tip of a flame
+    groomed(vec3 foot = s.x - (s.distance - iso_value) * s.wide_normal;)
+    groomed(away = min(away / clamp(groom_length(foot), 1e-3, 1.0), 1.0);)
     float left = 1.0 - away - deep * (0.35 + away) * torn;
     // The gas stands off from the object: it is thinnest there, so that slices leave no contours on the surface, also where
     // flames are short.
-    return 0.85 * clamp(1.4 * left, 0.0, 1.0) * smoothstep(0.0, 0.15, 1.0 - density);
+    return 0.85 * clamp(1.4 * left, 0.0, 1.0) * smoothstep(0.0, 0.15, 1.0 - density) groomed(* min(groom_density(foot), 1.0));
 }

@@ -4,6 +4,7 @@
 // curliness, droop, unevenness and hair_middle 0, and hair_contrast 1.
 // density: D in [0, 1]; result in [0, 1].
 // @needs normal
+// @groom length density direction
 // @outer hair_length
 // @param hair_length = 0.2 in [0.005, 0.8]: Length of the hair, object units: the width of the soft region.
 // @param fineness = 40 in [2, 200]: Hairs per object unit.
@@ -21,7 +22,8 @@
 // The place where a hair would be without droop and curl.
 vec3 unbent(Sample s, float tip) {
     vec3 curl = noise_gradient(3.0 * s.x + 17.0).xyz * (0.5 * curliness * gain(0.8, tip));
-    return s.x + vec3(0.0, droop * hair_length * tip * tip, 0.0) + curl;
+    return s.x + vec3(0.0, droop * hair_length * tip * tip, 0.0) + curl
+        groomed(- hair_length * tip * tip * groom_direction(s.root));
 }
 
 float fur(float density, inout Sample s) {
@@ -31,12 +33,16 @@ float fur(float density, inout Sample s) {
     vec3 root = project(straight, s);
     s.hair_normal = safe_normalize(straight - root, s.normal);
     float tip = clamp(1.0 - s.density, 0.0, 1.0);
-    s.hair_tangent = safe_normalize(s.hair_normal - vec3(0.0, 2.0 * droop * tip, 0.0), s.hair_normal);
+    s.hair_tangent = safe_normalize(s.hair_normal - vec3(0.0, 2.0 * droop * tip, 0.0)
+        groomed(+ 2.0 * tip * groom_direction(s.root)), s.hair_normal);
+    groomed(s.root = root; s.hair_length *= clamp(groom_length(root), 0.1, 1.0);)
     // A hair is known by its middle, not by its root: all of the space around an edge or a speck has one root.
     vec3 middle = root + hair_middle * hair_length * s.hair_normal;
     float shorter = unevenness * clamp(0.5 + noise(0.23 * fineness * middle), 0.0, 1.0);
+    groomed(shorter = clamp(1.0 - groom_length(root) * (1.0 - shorter), 0.0, 0.999);)
     float grown = max((density - shorter) / (1.0 - shorter), 0.0);
     if (grown <= 0.0) return 0.0;               // the hair ends before
-    float strand = gain(hair_gain, bias(hair_bias, 0.5 + 0.5 * hair_contrast * noise(fineness * middle)));
+    float strand = gain(hair_gain, bias(hair_bias, 0.5 + 0.5 * hair_contrast * noise(fineness * middle)
+        groomed(+ 0.5 * (groom_density(root) - 1.0))));
     return strand * grown * trust(s);
 }

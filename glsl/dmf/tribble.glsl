@@ -4,6 +4,7 @@
 // Geometry-dependent.
 // density: D in [0, 1]; result in [0, 1].
 // @needs normal
+// @groom length density direction
 // @outer tribble_length
 // @param tribble_length = 0.4 in [0.005, 0.8]: Length of the hair, object units: the width of the soft region.
 // @param tribble_fineness = 24 in [2, 200]: Hairs per object unit.
@@ -24,14 +25,17 @@ vec3 uncurled(inout Sample s) {
     // A hair is where x' moves along the normal: (1 + derivative of the curl) tangent = normal, to first order.
     vec3 bend = growth * curl + strength * tribble_curliness * curl_frequency * (slope * s.normal);
     s.hair_normal = s.normal;
+    groomed(bend -= 2.0 * tip * groom_direction(s.root);)
     s.hair_tangent = safe_normalize(s.normal - bend, s.normal);
-    return s.x + strength * curl;
+    return s.x + strength * curl groomed(- tribble_length * tip * tip * groom_direction(s.root));
 }
 
 float tribble(float density, inout Sample s) {
     s.hair_length = tribble_length;
     if (s.density >= 1.0) return density;
     vec3 root = project(uncurled(s), s);
-    float strand = gain(0.9, bias(0.3, 0.5 + 0.5 * tribble_contrast * noise(tribble_fineness * root)));
+    groomed(s.root = root; s.hair_length *= clamp(groom_length(root), 0.1, 1.0); density = groom_depth(density, root);)
+    float strand = gain(0.9, bias(0.3, 0.5 + 0.5 * tribble_contrast * noise(tribble_fineness * root)
+        groomed(+ 0.5 * (groom_density(root) - 1.0))));
     return strand * density * trust(s);
 }

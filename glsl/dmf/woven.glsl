@@ -3,6 +3,7 @@
 // the other across it, by the angle of the normal and the height. Geometry-dependent.
 // density: D in [0, 1]; result in [0, 1]; the hard region keeps its own.
 // @needs normal
+// @groom density
 // @outer cloth_thickness
 // @param cloth_thickness = 0.07 in [0.01, 0.3]: Thickness of the cloth, object units: the width of the soft region.
 // @param threads = 48 in [4, 400]: Threads around the vertical axis.
@@ -29,5 +30,6 @@ vec2 thread_depths(Sample s) {
 float woven(float density, Sample s) {
     if (s.density >= 1.0) return density;
     vec2 depth = thread_depths(s);
+    groomed(depth -= max(1.0 - groom_density(s.root), 0.0);)
     return clamp(3.0 * max(depth.x, depth.y), 0.0, 1.0);
 }

@@ -3,6 +3,7 @@
 // density: modulated, in [0, 1]; result: linear RGB; extinction: a factor of the opacity rate, by one over the length of the
 // hair (ours): the way through a coat is as long as its hair, and what covers the skin at one length does so at each.
 // @needs normal
+// @groom color
 // @color root_color = #2b1509: Color of the hair at the skin.
 // @color tip_color = #d9a05f: Color of the hair at its tip.
 // @param sheen = 0.25 in [0, 2]: Strength of the highlight.
@@ -23,6 +24,7 @@ vec3 medium(Sample s, float density) {
     vec3 lit = shadow(mix(0.25, 1.0, tip) * wrap, vec3(0.0));
     float specular = pow(max(sin_tl * sin_tv - tl * tv, 1e-4), specular_power);     // the mirrored cone: t.r = -t.l
     vec3 base = mix(root_color.rgb, tip_color.rgb, tip) * color.rgb;
+    groomed(base = groom_color(base, s.root);)
     return base * (ambient_color.rgb * mix(0.4, 1.0, tip) + lit * sin_tl * light_color.rgb)
          + sheen * lit * specular * light_color.rgb;
 }

@@ -7,7 +7,9 @@
 // @param drip_length = 1.0 in [0, 2]: Longest drip, object units.
 // @param drip_frequency = 5.0 in [0.2, 20]: Drips per object unit.
 // @param melt_time = 1.0 in [0, 1]: How far the melting has gone.
+// @groom length
 #include <noise>
+#include <groom>
 const float DRIP_WHOLE = 0.5;           // noise from which on a drip is as long as it gets
 
 void melting(inout vec3 x, inout mat3 jacobian) {
@@ -22,10 +24,12 @@ void melting(inout vec3 x, inout mat3 jacobian) {
     float inside = ground > 0.0 && ground < 1.0 ? 1.0 : 0.0;
     float amplitude = drip_length * melt_time;
     vec2 slope = steep * reach * drip_frequency * n.xz + 0.5 * slower * drip * m.xz;
+    groomed(float melted = amplitude * ground * drip * reach; amplitude *= min(groom_length(x), 1.0);)
     mat3 step = mat3(1.0);
     step[0].y = amplitude * ground * slope.x;
     step[1].y = 1.0 - 0.5 * inside * amplitude * drip * reach;
     step[2].y = amplitude * ground * slope.y;
+    groomed(vec3 more = melted * groom_slope(x); step[0].y += more.x; step[1].y += more.y; step[2].y += more.z;)
     x.y += amplitude * ground * drip * reach;
     jacobian = step * jacobian;
 }

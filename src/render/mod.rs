@@ -10,6 +10,7 @@ mod density;
 mod error;
 mod explain;
 mod frame;
+mod groom;
 mod inputs;
 mod measurements;
 mod subject;
@@ -27,6 +28,7 @@ pub use explain::{
     describe_frame, loop_note, octaves_held, same_pictures, unused_overrides, unused_settings, warnings,
 };
 pub use frame::{Renderer, Transmittance, check_depth, paste_areas, render, transmittance};
+pub use groom::{Channel, GroomError, fill_channel};
 pub use inputs::{CpuInputs, ImageInfo, Sparse};
 pub use measurements::{Frame, Measurements};
 pub use subject::{Subject, SubjectRequest, field_margin, open, request};

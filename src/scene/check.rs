@@ -29,6 +29,7 @@ impl Scene {
         self.check_transfer()?;
         self.check_half_angle()?;
         self.check_formula()?;
+        self.check_groom()?;
         let slots = self.slots_with_objects(library);
         self.check_modules(library, &slots)?;
         self.check_look(library)?;
@@ -149,6 +150,13 @@ impl Scene {
             return Err(SceneError::value("camera.clip", format!("{plane:?}"), limit));
         }
         Ok(())
+    }
+
+    fn check_groom(&self) -> Result<(), SceneError> {
+        match &self.groom {
+            Some(file) if self.has_several() => Err(SceneError::value("groom", file, "needs a scene of one object")),
+            _ => Ok(()),
+        }
     }
 
     fn check_transfer(&self) -> Result<(), SceneError> {

@@ -40,6 +40,9 @@ settings! {
         /// Additional objects, by name.
         #[serde(skip_serializing_if = "BTreeMap::is_empty")]
         parts: BTreeMap<String, Part> = BTreeMap::new();
+        /// The groom of the object: a file by `groom` or the window, with what is painted on it.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        groom: Option<String> = None => Picture, Kind::Text, optional("groom.nrrd"), flag("groom");
         /// Formula that combines the objects, such as main - hole; main is the object of the scene. By default their union.
         #[serde(skip_serializing_if = "Option::is_none")]
         combine: Option<String> = None => Images, Kind::Text, optional("main");

@@ -5,19 +5,20 @@ use std::path::{Path, PathBuf};
 use support::open::Home;
 
 impl Scene {
-    /// Possible files with their fields: inputs of the objects, and custom modules.
+    /// Possible files with their fields: inputs of the objects, the groom, and custom modules.
     pub fn files(&self) -> impl Iterator<Item = (String, &str)> {
         let parts = self.parts.iter().map(|(name, part)| (format!("parts.{name}.object.input"), &part.object));
         let objects = [("object.input".into(), &self.object)].into_iter().chain(parts);
         let modules = self.modules.iter().map(|(module, file)| (format!("modules.\"{module}\""), file.as_str()));
+        let groom = self.groom.iter().map(|file| ("groom".into(), file.as_str()));
         let inputs = objects.map(|(field, object)| (field, object.input.as_str()));
-        inputs.filter(|(_, input)| !input.starts_with(GLSL)).chain(modules)
+        inputs.filter(|(_, input)| !input.starts_with(GLSL)).chain(modules).chain(groom)
     }
 
     /// Mutable paths of those files.
     pub(crate) fn files_mut(&mut self) -> impl Iterator<Item = &mut String> {
         let objects = [&mut self.object].into_iter().chain(self.parts.values_mut().map(|part| &mut part.object));
-        objects.map(|object| &mut object.input).chain(self.modules.values_mut())
+        objects.map(|object| &mut object.input).chain(self.modules.values_mut()).chain(&mut self.groom)
     }
 }
 

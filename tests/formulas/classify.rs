@@ -1,6 +1,7 @@
 //! Classification of a point: premultiplied matter.
 
 use crate::density::{bias, gain};
+use crate::groom::{mixed, narrowed, painted};
 use crate::harness::{At, COLOR, Check};
 use crate::surface::transfer;
 use crate::values::{Random, Setting, filtered};
@@ -21,7 +22,10 @@ crate::rows! {
         "classify/post.glsl": "matter.rgb * alpha" => "matter.rgb";
     m05_pre_classification_interpolates_colors = pre,
         "classify/pre.glsl": "matter.rgb / matter.a" => "matter.rgb";
-    m05_pre_integration_looks_up_both_ends = preintegrated,
+    m02_shells_are_painted_and_cut = |l| preintegrated(l, &[("classify", "preintegrated"), ("groom", "volume")]),
+        "classify/preintegrated.glsl": "groom_depth(s.density, s.root)" => "groom_depth(s.density, s.x)",
+        "classify/preintegrated.glsl": "matter.a * groom_color(" => "groom_color(";
+    m05_pre_integration_looks_up_both_ends = |l| preintegrated(l, &[("classify", "preintegrated")]),
         "classify/preintegrated.glsl": "x - half_segment" => "x",
         "classify/preintegrated.glsl": "path / step_size" => "step_size / path";
     m02_the_stack_shows_slices_and_where_they_cut = stack,
@@ -105,15 +109,20 @@ fn pre(library: &Library) -> f64 {
 
 /// Engel 2001: a table by the densities at the near and the far end of a step; a path of k steps lets through the k-th
 /// power of what one does.
-fn preintegrated(library: &Library) -> f64 {
-    classified(library, &[("classify", "preintegrated")]).holds(1e-6, |at| {
+fn preintegrated(library: &Library, slots: &[(&str, &str)]) -> f64 {
+    classified(library, slots).holds(1e-6, |at| {
         let (x, path) = (at.place(0), at.p[0][3]);
         let to_eye = DMat3::from_mat4(at.matrix("texture_matrix")) * -at.place(3).normalize();
-        let [near, far] = [0.5, -0.5].map(|half| line(at, x + half * path * to_eye).clamp(0.0, 1.0));
+        let foot = |x: DVec3| x.normalize() * (1.0 + at.number("iso_value"));
+        let [near, far] = [0.5, -0.5].map(|half| {
+            let x = x + half * path * to_eye;
+            narrowed(line(at, x).clamp(0.0, 1.0), painted(at, foot(x)).length)
+        });
         let at_texel = |density: f64| (density * 8.0 + 0.5) / 9.0;
         let step = filtered(at.texture("segment_image"), &[at_texel(near), at_texel(far)], Wrap::Clamp);
         let alpha = 1.0 - (1.0 - step[3]).powf(path / at.number("step_size"));
-        covering(DVec3::from_slice(&step) / step[3], alpha)
+        let groom = painted(at, foot(x - 0.5 * path * to_eye));
+        covering(mixed(DVec3::from_slice(&step) / step[3], groom.color), alpha)
     })
 }
 

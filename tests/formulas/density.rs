@@ -1,6 +1,7 @@
 //! Functions of the density: softness, shaping, DMFs, masks, opacity.
 
 use crate::dual::{moved, place, scaled};
+use crate::groom::painted;
 use crate::harness::{At, Check, OCTAVES};
 use crate::knots::{noise, octaves, turbulence};
 use crate::values::{Random, Setting, c};
@@ -33,7 +34,10 @@ crate::rows! {
         "dmf/settled.glsl": "s.normal.y" => "s.normal.z";
     p40_more_gain_forces_less_amplitude = |l| dmf(l, "traded", traded),
         "dmf/traded.glsl": "-log2(1.0 - trade_gain)" => "-log2(trade_gain)";
-    m49_p30_fire_varies_with_height_and_rises = fire,
+    m02_it_burns_where_it_is_painted = |l| fire(l, &[("dmf", "fire"), ("groom", "volume")]),
+        "dmf/fire.glsl": "away / clamp" => "away * clamp",
+        "dmf/fire.glsl": "min(groom_density(foot), 1.0)" => "min(groom_density(s.x), 1.0)";
+    m49_p30_fire_varies_with_height_and_rises = |l| fire(l, &[("dmf", "fire")]),
         "dmf/fire.glsl": "rise * time" => "-rise * time",
         "dmf/fire.glsl": "mix(0.22, 1.0, up)" => "mix(1.0, 0.22, up)",
         "dmf/fire.glsl": "s.x + reach * C" => "s.x - reach * C",
@@ -184,14 +188,14 @@ fn settled(at: &At<'_>, density: f64) -> f64 {
 }
 
 /// On a sphere: what is left of a flame, and the direction that it leaves to its medium there.
-fn fire(library: &Library) -> f64 {
+fn fire(library: &Library, slots: &[(&str, &str)]) -> f64 {
     let text = "#include \"sample.glsl\"\n#include <dmf>
         void check() {
             Sample s = sample_object(p0.xyz);
             out0.x = modulate(p0.w, s);
             out0.yzw = out0.x > 0.0 ? s.wide_normal : vec3(0.0);
         }";
-    let check = Check::new(library, &[("dmf", "fire")], text)
+    let check = Check::new(library, slots, text)
         .given(|random, _| [(random.direction() * random.within(0.6, 1.8)).extend(random.density()).to_array(); 4]);
     check.holds(1e-7, |at| {
         let (x, density) = (at.place(0), at.p[0][3]);
@@ -207,12 +211,17 @@ fn fire(library: &Library) -> f64 {
         let (low, high) = (at.vector("own_min").y, at.vector("own_max").y);
         // 0 on the object, 1 at the tip of a flame, which is shorter where the object faces down.
         let longest = mix(c(0.22), 1.0, smoothstep(c(-0.8), c(0.9), wide.y));
-        let away = ((1.0 - density) / longest).clamp(0.0, 1.0);
+        let groom = painted(at, x - (x.length() - 1.0 - at.number("iso_value")) * wide);
+        let away = ((1.0 - density) / longest).clamp(0.0, 1.0) / groom.length.clamp(c(1e-3), 1.0);
+        let away = away.min(1.0);
         let height = ((x.y - low) / (high - low)).clamp(0.0, 1.0);
         let rising = DVec3::new(x.x, c(0.45) * (x.y - at.number("rise") * at.number("time")), x.z);
         let torn = turbulence(place(at.number("flame_scale") * rising)).v;
         let left = 1.0 - away - at.number("fury") * mix(c(0.8), 1.5, height) * (c(0.35) + away) * torn;
-        let gas = c(0.85) * (c(1.4) * left).clamp(0.0, 1.0) * smoothstep(0.0, c(0.15), 1.0 - density);
+        let gas = c(0.85)
+            * (c(1.4) * left).clamp(0.0, 1.0)
+            * smoothstep(0.0, c(0.15), 1.0 - density)
+            * groom.density.min(1.0);
         let wide = if gas > 0.0 { wide } else { DVec3::ZERO };
         [gas].into_iter().chain(wide.to_array()).collect()
     })

@@ -2,6 +2,7 @@
 
 use crate::density::{bias, gain, mix};
 use crate::dual::{Place, moved, place, scaled, value};
+use crate::groom::{Painted, mixed, narrowed, painted};
 use crate::harness::{At, COLOR, Check};
 use crate::knots::{noise, vector_noise};
 use crate::light::{directions, phong, to_eye_space};
@@ -10,46 +11,65 @@ use glam::{DVec2, DVec3};
 use hypertexture::shader::Library;
 
 crate::rows! {
-    p31_fur_is_gain_of_bias_of_noise_at_the_root = |l| hairs(l, "fur", fur),
+    p31_fur_is_gain_of_bias_of_noise_at_the_root = |l| hairs(l, &[("dmf", "fur")], fur),
         "dmf/fur.glsl": "gain(hair_gain, bias(hair_bias" => "gain(hair_bias, bias(hair_gain",
         "dmf/fur.glsl": "s.x + vec3(0.0, droop" => "s.x - vec3(0.0, droop",
         "dmf/fur.glsl": "s.hair_normal - vec3(0.0, 2.0 * droop" => "s.hair_normal + vec3(0.0, 2.0 * droop",
         "dmf/fur.glsl": "= unevenness * clamp" => "= -unevenness * clamp",
         "dmf/fur.glsl": "s.hair_length = hair_length" => "s.hair_length = 0.2";
-    p34_tribble_curls_towards_its_tips = |l| hairs(l, "tribble", tribble),
+    m02_fur_is_cut_thinned_and_combed = |l| hairs(l, &[("dmf", "fur"), ("groom", "volume")], fur),
+        "dmf/fur.glsl": "groomed(- hair_length" => "groomed(+ hair_length",
+        "dmf/fur.glsl": "groomed(+ 2.0 * tip" => "groomed(- 2.0 * tip",
+        "dmf/fur.glsl": "groom_length(root) * (1.0 - shorter)" => "groom_length(s.x) * (1.0 - shorter)",
+        "dmf/fur.glsl": "groom_density(root) - 1.0" => "1.0 - groom_density(root)",
+        "dmf/fur.glsl": "clamp(groom_length(root), 0.1" => "clamp(groom_length(root), 0.9";
+    m02_tribble_is_cut_thinned_and_combed = |l| hairs(l, &[("dmf", "tribble"), ("groom", "volume")], tribble),
+        "dmf/tribble.glsl": "groomed(- tribble_length" => "groomed(+ tribble_length",
+        "dmf/tribble.glsl": "bend -= 2.0" => "bend += 2.0",
+        "dmf/tribble.glsl": "groom_depth(density, root)" => "density",
+        "dmf/tribble.glsl": "groom_density(root) - 1.0" => "1.0 - groom_density(root)";
+    p34_tribble_curls_towards_its_tips = |l| hairs(l, &[("dmf", "tribble")], tribble),
         "dmf/tribble.glsl": "s.x + strength * curl" => "s.x - strength * curl",
         "dmf/tribble.glsl": "gain(0.9, bias(0.3" => "gain(0.3, bias(0.9",
         "dmf/tribble.glsl": "s.normal - bend" => "s.normal + bend",
         "dmf/tribble.glsl": "s.hair_length = tribble_length" => "s.hair_length = 0.2";
-    p56_hair_is_lit_as_a_thin_cylinder = hair,
+    m02_hair_is_painted = |l| hair(l, &[("medium", "hair"), ("groom", "volume")]),
+        "medium/hair.glsl": "groom_color(base, s.root)" => "groom_color(base, s.x)";
+    p56_hair_is_lit_as_a_thin_cylinder = |l| hair(l, &[("medium", "hair")]),
         "medium/hair.glsl": "sin_tl * sin_tv - tl * tv" => "tl * tv + sin_tl * sin_tv",
         "medium/hair.glsl": "lit * sin_tl" => "lit * tl",
         "medium/hair.glsl": "0.2 / max(s.hair_length, 0.005)" => "1.0";
-    p58_woven_threads_go_over_and_under = |l| cloth(l, false),
+    m02_cloth_is_worn_where_it_is_thin = |l| cloth(l, &GROOMED, false),
+        "dmf/woven.glsl": "1.0 - groom_density(s.root)" => "groom_density(s.root)";
+    m02_cloth_is_painted = |l| cloth(l, &GROOMED, true),
+        "medium/cloth.glsl": "groom_color(base, s.root)" => "groom_color(base, s.x)";
+    p58_woven_threads_go_over_and_under = |l| cloth(l, &GROOMED[..2], false),
         "dmf/woven.glsl": "0.5 - 0.25 * parity_v" => "0.5 + 0.25 * parity_v",
         "dmf/woven.glsl": "floor(0.3 * pairs)" => "floor(0.4 * pairs)";
-    p58_cloth_has_threads_of_two_colors = |l| cloth(l, true),
+    p58_cloth_has_threads_of_two_colors = |l| cloth(l, &GROOMED[..2], true),
         "medium/cloth.glsl": "depth.x > depth.y" => "depth.x < depth.y",
         "medium/cloth.glsl": "1.0, 0.35, buried" => "0.35, 1.0, buried";
 }
 
+/// Slots of cloth, and of a groom.
+const GROOMED: [(&str, &str); 3] = [("dmf", "woven"), ("medium", "cloth"), ("groom", "volume")];
+
 /// A sphere with hair: the density, and normal and tangent of the hair that it leaves.
 /// Bias and gain of constants are rounded to f32, and up to 200 hairs a unit enlarge that.
-fn hairs(library: &Library, module: &str, formula: fn(&At<'_>) -> (f64, DVec3, DVec3)) -> f64 {
+fn hairs(library: &Library, slots: &[(&str, &str)], formula: fn(&At<'_>) -> (f64, DVec3, DVec3, f64)) -> f64 {
     let text = "#include \"sample.glsl\"\n#include <dmf>
         void check() {
             Sample s = sample_object(p0.xyz);
             out0.x = HAIR(s.density, s);
             if (s.density < 1.0) { out0.yzw = s.hair_normal; out1 = vec4(s.hair_tangent, s.hair_length); }
         }";
-    let check = Check::new(library, &[("dmf", module)], &text.replace("HAIR", module))
+    let check = Check::new(library, slots, &text.replace("HAIR", slots[0].1))
         .given(|random, _| [(random.direction() * random.within(0.6, 1.8)).extend(0.0).to_array(); 4]);
     check.holds(1e-5, move |at| {
         if distance(at) <= at.number("iso_value") {
             return vec![1.0];
         }
-        let (density, normal, tangent) = formula(at);
-        let length = at.number(&format!("{}_length", if module == "fur" { "hair" } else { "tribble" }));
+        let (density, normal, tangent, length) = formula(at);
         [&[density], normal.to_array().as_slice(), &tangent.to_array(), &[length]].concat()
     })
 }
@@ -69,66 +89,73 @@ fn project(at: &At<'_>, x: DVec3) -> DVec3 {
     x.normalize() * (1.0 + at.number("iso_value"))
 }
 
-/// The noise of PH is signed, its bias and gain want [0, 1]: 0.5 + 0.5 noise, of which a contrast makes more.
-fn strand(of: DVec3, frequency: f64, contrast: f64, [b, g]: [f64; 2]) -> f64 {
-    gain(g, bias(b, (1.0 + contrast * noise(place(frequency * of)).v) / 2.0))
+/// The noise of PH is signed, its bias and gain want [0, 1]: 0.5 + 0.5 noise, of which a contrast makes more, and a groom more
+/// or less.
+fn strand(of: DVec3, frequency: f64, contrast: f64, [b, g]: [f64; 2], groom: &Painted) -> f64 {
+    gain(g, bias(b, (contrast * noise(place(frequency * of)).v + groom.density) / 2.0))
 }
 
 /// PH 2.4: f = gain.9(bias.3(noise(freq project(x)))) D(x), of a hair that has been bent by gravity and curled, that is
 /// known by its middle, and that is shorter than others by a noise of its own.
-fn fur(at: &At<'_>) -> (f64, DVec3, DVec3) {
+fn fur(at: &At<'_>) -> (f64, DVec3, DVec3, f64) {
     let (x, d, length) = (at.place(0), density(at), at.number("hair_length"));
     let tip = 1.0 - d;
     let curl = noise(moved(scaled(place(x), 3.0), DVec3::splat(17.0))).d / 3.0;
     let curled = at.number("curliness") / 2.0 * gain(c(0.8), tip) * curl;
-    let straight = x + curled + DVec3::Y * at.number("droop") * length * tip.powi(2);
+    let comb = painted(at, project(at, x)).direction;
+    let straight = x + curled + (DVec3::Y * at.number("droop") - comb) * length * tip.powi(2);
     let root = project(at, straight);
     let normal = (straight - root).normalize();
-    let tangent = (normal - DVec3::Y * 2.0 * at.number("droop") * tip).normalize();
+    let tangent = (normal - 2.0 * tip * (DVec3::Y * at.number("droop") - comb)).normalize();
+    let groom = painted(at, root);
     let middle = root + normal * length * at.number("hair_middle");
     let fineness = at.number("fineness");
     let shorter = (0.5 + noise(place(c(0.23) * fineness * middle)).v).clamp(0.0, 1.0);
-    let own = 1.0 - at.number("unevenness") * shorter;
+    let own = ((1.0 - at.number("unevenness") * shorter) * groom.length).clamp(1.0 - c(0.999), 1.0);
     let grown = ((own - tip) / own).max(0.0);
     let shape = [at.number("hair_bias"), at.number("hair_gain")];
-    (strand(middle, fineness, at.number("hair_contrast"), shape) * grown, normal, tangent)
+    let strand = strand(middle, fineness, at.number("hair_contrast"), shape, &groom);
+    (strand * grown, normal, tangent, length * groom.length.clamp(c(0.1), 1.0))
 }
 
 /// PH 2.4: x' = x + gain.8(1 - d) curliness vnoise(x), so that a hair is straight at its root.
-fn tribble(at: &At<'_>) -> (f64, DVec3, DVec3) {
+fn tribble(at: &At<'_>) -> (f64, DVec3, DVec3, f64) {
     let (x, d) = (at.place(0), density(at));
     let (tip, frequency, curliness) = (1.0 - d, at.number("curl_frequency"), at.number("tribble_curliness"));
     let curl: Place = vector_noise(scaled(place(x), frequency));
     let curled = |strength: f64| curliness * strength * value(curl);
-    let there = x + curled(gain(c(0.8), tip));
+    let (comb, length) = (painted(at, project(at, x)).direction, at.number("tribble_length"));
+    let there = x + curled(gain(c(0.8), tip)) - comb * length * tip.powi(2);
     // Along its normal a hair has moved by the derivative of x' - x: of its strength, over a tenth of its length, and of
     // the noise.
     let step = c(0.05);
     let normal = x.normalize();
-    let growth =
-        (curled(gain(c(0.8), tip + step)) - curled(gain(c(0.8), tip - step))) / (c(0.1) * at.number("tribble_length"));
-    let bend = growth + curliness * gain(c(0.8), tip) * crate::dual::slope(curl, normal);
-    let hair =
-        strand(project(at, there), at.number("tribble_fineness"), at.number("tribble_contrast"), [c(0.3), c(0.9)]);
-    (hair * d, normal, (normal - bend).normalize())
+    let growth = (curled(gain(c(0.8), tip + step)) - curled(gain(c(0.8), tip - step))) / (c(0.1) * length);
+    let bend = growth + curliness * gain(c(0.8), tip) * crate::dual::slope(curl, normal) - 2.0 * tip * comb;
+    let (root, shape) = (project(at, there), [c(0.3), c(0.9)]);
+    let groom = painted(at, root);
+    let hair = strand(root, at.number("tribble_fineness"), at.number("tribble_contrast"), shape, &groom);
+    let length = length * groom.length.clamp(c(0.1), 1.0);
+    (hair * narrowed(d, groom.length), normal, (normal - bend).normalize(), length)
 }
 
 /// Kajiya and Kay 1989: a cylinder along t mirrors the light into the cone around t whose angle to t is that of the
 /// light to -t. The highlight is the cosine between the eye and the nearest direction of that cone.
-fn hair(library: &Library) -> f64 {
+fn hair(library: &Library, slots: &[(&str, &str)]) -> f64 {
     let text = "#include \"sample_point.glsl\"\n#include <medium>
         void check() {
             Sample s;
             s.x = p0.xyz; s.density = p0.w;
             s.hair_normal = p1.xyz; s.hair_tangent = p2.xyz;
             s.hair_length = 0.1 + p0.w * p0.w;
+            groomed(s.root = p1.xyz;)
             out0 = vec4(medium(s, 0.5), extinction(s, 0.5));
         }";
-    let check = Check::new(library, &[("medium", "hair")], text).given(|random, _| {
+    let check = Check::new(library, slots, text).given(|random, _| {
         let [normal, tangent] = [random.direction(), random.direction()].map(|v| v.extend(0.0).to_array());
         [random.vector().extend(random.density()).to_array(), normal, tangent, random.eye().extend(0.0).to_array()]
     });
-    check.holds(2e-8, |at| {
+    check.holds(2e-7, |at| {
         let tip = (1.0 - at.p[0][3]).clamp(0.0, 1.0);
         let [n, t] = [1, 2].map(|input| to_eye_space(at, at.place(input)));
         let [l, v] = directions(at);
@@ -138,6 +165,7 @@ fn hair(library: &Library) -> f64 {
         let highlight = mirrored.dot(v).max(c(1e-4)).powf(at.number("specular_power"));
         let lit = mix(0.25, 1.0, tip) * (1.0 + n.dot(l)) / 2.0;
         let base = COLOR * at.vector("root_color").lerp(at.vector("tip_color"), tip);
+        let base = mixed(base, painted(at, at.place(1)).color);
         let light = at.vector("light_color");
         let ambient = at.vector("ambient_color") * mix(c(0.4), 1.0, tip);
         let color = base * (ambient + light * lit * across) + light * at.number("sheen") * lit * highlight;
@@ -175,26 +203,28 @@ fn threads(at: &At<'_>) -> DVec2 {
     (1.0 - aside * aside - above * above).max(DVec2::ZERO)
 }
 
-fn cloth(library: &Library, colored: bool) -> f64 {
+fn cloth(library: &Library, slots: &[(&str, &str)], colored: bool) -> f64 {
     let text = format!(
         "#include \"sample_point.glsl\"\n#include <dmf>\n{}
         void check() {{
             Sample s;
             s.x = p0.xyz; s.distance = p0.w; s.normal = p1.xyz; s.density = p1.w; s.shading = p2.xyz; s.coherence = 1.0;
+            groomed(s.root = p1.xyz;)
             {}
         }}",
         if colored { "#include <medium>" } else { "" },
         if colored { "out0.xyz = medium(s, 0.5);" } else { "out0.x = modulate(p2.w, s);" }
     );
-    let check = Check::new(library, &[("dmf", "woven"), ("medium", "cloth")], &text).given(body);
+    let check = Check::new(library, slots, &text).given(body);
     // A turn is a constant of f32, and there are up to 400 threads in one.
     check.holds(1e-4, move |at| {
-        let (depth, d) = (threads(at), at.p[1][3]);
+        let (depth, d, groom) = (threads(at), at.p[1][3], painted(at, at.place(1)));
         if colored {
-            let base = at.vector(if depth.x > depth.y { "warp_color" } else { "weft_color" });
+            let base = mixed(at.vector(if depth.x > depth.y { "warp_color" } else { "weft_color" }), groom.color);
             let buried = mix(1.0, c(0.35), d.powi(2));
             return (buried * phong(at, COLOR * base, at.place(2))).to_array().to_vec();
         }
-        vec![if d >= 1.0 { at.p[2][3] } else { (3.0 * depth.max_element()).min(1.0) }]
+        let thread = depth.max_element() - (1.0 - groom.density).max(0.0);
+        vec![if d >= 1.0 { at.p[2][3] } else { (3.0 * thread).clamp(0.0, 1.0) }]
     })
 }

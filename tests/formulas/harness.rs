@@ -76,6 +76,11 @@ impl At<'_> {
         self.setting.vector(name)
     }
 
+    /// An image, if the program reads it.
+    pub fn image(&self, name: &str) -> Option<&Texture> {
+        self.textures.get(name)
+    }
+
     pub fn texture(&self, name: &str) -> &Texture {
         &self.textures[name]
     }

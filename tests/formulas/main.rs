@@ -22,6 +22,7 @@ mod exact;
 mod exact_modules;
 mod figures;
 mod glass;
+mod groom;
 mod hairy;
 mod harness;
 mod knots;
@@ -62,6 +63,7 @@ fn every_module_has_a_check() {
         classify::ROWS,
         density::ROWS,
         glass::ROWS,
+        groom::ROWS,
         hairy::ROWS,
         light::ROWS,
         means::ROWS,

@@ -102,7 +102,7 @@ pub fn marble(at: &At<'_>) -> DVec3 {
 }
 
 /// MJ 5.2, Eq. 7: both normals are in eye space before they are added.
-fn bump_normal(at: &At<'_>) -> DVec3 {
+pub fn bump_normal(at: &At<'_>) -> DVec3 {
     let b = noise(place(at.number("bump_frequency") * at.place(0))).d;
     (at.number("bump_scale") * to_eye_space(at, at.place(1)) + to_eye_space(at, b)).normalize()
 }

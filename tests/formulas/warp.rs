@@ -60,11 +60,11 @@ fn stretched(at: &At<'_>, x: Place, amount: Dual) -> Place {
 
 /// To divide by a constant is to multiply by its inverse in f32.
 fn warp(library: &Library, module: &str, formula: fn(&At<'_>, Place) -> Place) -> f64 {
-    displaces(warped(library, module), 1e-7, formula)
+    displaces(warped(library, &[("warp", module)]), 1e-7, formula)
 }
 
 /// A warp after another one, whose derivative is given.
-fn warped(library: &Library, module: &str) -> Check {
+pub fn warped(library: &Library, slots: &[(&str, &str)]) -> Check {
     let text = "#include \"scale_radius.glsl\"
         #include <warp>
         void check() {
@@ -78,14 +78,14 @@ fn warped(library: &Library, module: &str) -> Check {
             displace(x, unset);
             out0.w = distance(out0.xyz, x); // with slopes and without them, points move alike
         }";
-    Check::new(library, &[("warp", module)], text).given(|random, _| {
+    Check::new(library, slots, text).given(|random, _| {
         let mut p = random.point();
         p[1..].iter_mut().for_each(|input| *input = random.in_cube(1.0).extend(random.within(-1.0, 1.0)).to_array());
         p
     })
 }
 
-fn displaces(check: Check, tolerance: f64, formula: fn(&At<'_>, Place) -> Place) -> f64 {
+pub fn displaces(check: Check, tolerance: f64, formula: fn(&At<'_>, Place) -> Place) -> f64 {
     check.holds(tolerance, |at| {
         let before = DMat3::from_cols(at.place(1), at.place(2), DVec3::new(at.p[1][3], at.p[2][3], at.p[3][3]));
         let moved = formula(at, place(at.place(0)));
@@ -101,7 +101,7 @@ fn dripping(at: &At<'_>, [x, y, z]: Place) -> Place {
     [x, y + n * if n.v > 0.0 { longest } else { longest / 4.0 }, z]
 }
 
-fn melting(at: &At<'_>, [x, y, z]: Place) -> Place {
+pub fn melting(at: &At<'_>, [x, y, z]: Place) -> Place {
     let columns = |frequency: f64, plane: f64| noise([x * frequency, dual(plane), z * frequency]);
     let frequency = at.number("drip_frequency");
     let part = (columns(frequency, 5.5) / dual(0.5)).clamp(0.0, 1.0);
@@ -136,7 +136,7 @@ fn swirled(at: &At<'_>, x: Place) -> Place {
 
 /// A current of medium strength: a stronger one is chaotic, and enlarges what f32 has rounded.
 fn flows(library: &Library) -> f64 {
-    let check = warped(library, "flowing").with("flow_length", &[1.0]).with("flow_frequency", &[1.5]);
+    let check = warped(library, &[("warp", "flowing")]).with("flow_length", &[1.0]).with("flow_frequency", &[1.5]);
     displaces(check, 1e-5, flowing)
 }
 

@@ -7,7 +7,7 @@ use hypertexture::output::{Depth, Provenance};
 use hypertexture::render::{Frame, Measurements};
 use hypertexture::scene::{self, Scene};
 use hypertexture::shader::{Formula, Library, Slots, shipped};
-use hypertexture::shape::{self, Content, Mesh, MeshFormat, Shape, Volume, VolumeFormat};
+use hypertexture::shape::{self, Content, Groom, Mesh, MeshFormat, Shape, Volume, VolumeFormat};
 use measure::cases::library;
 use std::path::PathBuf;
 use std::sync::OnceLock;
@@ -21,7 +21,7 @@ pub struct Target {
     pub run: fn(&[u8]),
 }
 
-pub const TARGETS: [Target; 15] = [
+pub const TARGETS: [Target; 16] = [
     Target { name: "obj", seeds: || vec![OBJ.into()], run: |bytes| mesh(shape::read("a.obj", bytes)) },
     Target { name: "stl", seeds: || vec![STL.into(), binary_stl()], run: |bytes| mesh(shape::read("a.stl", bytes)) },
     Target { name: "ply", seeds: || vec![PLY.into(), binary_ply()], run: |bytes| mesh(shape::read("a.ply", bytes)) },
@@ -35,6 +35,7 @@ pub const TARGETS: [Target; 15] = [
     Target { name: "gltf", seeds: || vec![GLTF.into(), glb()], run: |bytes| mesh(shape::read("a.gltf", bytes)) },
     Target { name: "vdb", seeds: || vec![vdb()], run: |bytes| mesh(shape::read("a.vdb", bytes)) },
     Target { name: "dicom", seeds: || vec![dicom()], run: |bytes| mesh(shape::read("a.dcm", bytes)) },
+    Target { name: "groom", seeds: || vec![a_groom()], run: groom },
     Target { name: "scene", seeds: || vec![SCENE.into(), PRESET.into()], run: scene_of },
     Target { name: "value", seeds: || ["[1, 2.5, 3]", "\"#ffe0c0\"", "true"].map(Vec::from).into(), run: value },
     Target { name: "header", seeds: || vec![HEADER.into()], run: header },
@@ -51,10 +52,24 @@ const NRRD: &str =
 const META: &str = "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = False\nTransformMatrix = 1 0 0 0 1 0 0 0 -1\nOffset = 0 0 1\nElementSpacing = 1 1 0.5\nDimSize = 2 2 2\nElementType = MET_UCHAR\nHeaderSize = 0\nElementDataFile = LOCAL\n01234567";
 const ASCII: &str = "NRRD0005\ntype: float\ndimension: 3\nspace: left-posterior-superior\nsizes: 2 2 2\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\nencoding: ascii\n\n0 1 2 3 4 5 6 7\n";
 const SCENE: &str = "about = \"a\"\ncombine = \"main | b\"\n[object]\ninput = \"torus\"\nstretch = [1, 2, 1]\n[effect]\ndmf = [\"fur\"]\n[camera]\nclip = [1, 0, 0, 0.5]\n[transfer]\nstops = [{ at = 0.0, color = \"#000000\", density = 0.0, index = 1.0 }]\n[parts.b.object]\ninput = \"sphere\"\n[modules.dmf]\n";
-const HEADER: &str = "// A.\n// Source: -\n// @param a = 0.5 in [0, 1]: A.\n// @color b = #102030: B.\n// @outer a\n// @move +y 0.5 * a + 1\n// @grow a\n// @drift a * 0.5\n// @bound 1\n// @needs normal\n// @exact procedural never\n// @loops 2\n// @places 1\n// @octaves 4\n// @period memory\n// @outside empty\n// @segments c\n#include \"hash.glsl\"\n#include <noise>\nfloat a_(float density, Sample s) { return density; }\n";
+const HEADER: &str = "// A.\n// Source: -\n// @param a = 0.5 in [0, 1]: A.\n// @color b = #102030: B.\n// @outer a\n// @move +y 0.5 * a + 1\n// @grow a\n// @drift a * 0.5\n// @bound 1\n// @needs normal\n// @groom length color\n// @exact procedural never\n// @loops 2\n// @places 1\n// @octaves 4\n// @period memory\n// @outside empty\n// @segments c\n#include \"hash.glsl\"\n#include <noise>\nfloat a_(float density, Sample s) { return density; }\n";
 const PRESET: &str = "preset = \"fur\"\n[parameters]\nfineness = 60\n";
 
 const GLTF: &str = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"children":[1],"scale":[1,-1,1]},{"mesh":0,"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,2,0,0,1]}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"mode":5}]}],"accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","sparse":{"count":1,"indices":{"bufferView":1,"componentType":5121},"values":{"bufferView":0}}}],"bufferViews":[{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":1,"byteLength":1}],"buffers":[{"byteLength":48,"uri":"data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/"}]}"#;
+
+/// A groom whose every voxel differs.
+fn a_groom() -> Vec<u8> {
+    let (mut groom, mut bytes) = (Groom::unpainted("a", 32), Vec::new());
+    (0..64).for_each(|index| groom.set(index, [index as f32 / 32.0; 8]));
+    groom.write(&mut bytes).unwrap();
+    bytes
+}
+
+fn groom(bytes: &[u8]) {
+    if let Ok(groom) = Groom::from_bytes("a.nrrd", bytes) {
+        assert!((0..groom.voxels()).all(|index| groom.at(index).iter().all(|value| value.abs() <= 2.0)));
+    }
+}
 
 /// A tetrahedron.
 fn glb() -> Vec<u8> {

@@ -6,6 +6,7 @@ use super::convert::Convert;
 use super::explain::Explain;
 use super::field::Field;
 use super::gallery::GalleryArguments;
+use super::groom::GroomArguments;
 use super::info::Info;
 use super::merge::Merge;
 use super::mesh::Mesh;
@@ -48,6 +49,8 @@ pub enum Command {
     Mesh(Box<Mesh>),
     /// Write density and color as a fog volume, for Blender, Houdini and EmberGen. Formats: OpenVDB, NRRD, .npy.
     Volume(Box<Volume>),
+    /// Paint length, density, color and direction on an object, by expressions. Modules of the effect read it.
+    Groom(GroomArguments),
     /// Render every example scene, or the six effects on one object. A page explains them.
     Gallery(GalleryArguments),
     /// Measure error against run time: noise implementations, samples, blocks, formats and integrations, with a report.

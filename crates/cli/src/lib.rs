@@ -17,6 +17,7 @@ mod fault_tests;
 mod field;
 mod flags;
 pub mod gallery;
+mod groom;
 mod info;
 #[cfg(all(test, feature = "viewer"))]
 mod line_tests;

@@ -147,6 +147,7 @@ impl SceneArguments {
                     image: file.image,
                     light: file.light,
                     quality: file.quality,
+                    groom: file.groom,
                     ..preset
                 }
             }

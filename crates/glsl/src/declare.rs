@@ -10,6 +10,7 @@
 //! // @drift flow_speed      noise cells per second; see `drift`
 //! // @bound 1                the largest value of this noise
 //! // @needs normal           the module reads the normal of a sample
+//! // @groom length color      channels of the groom that the module reads: length, density, color, direction
 //! // @exact procedural noise_block   the module of the slot that this one samples, and the repetition of its lattice
 //! // @loops 1                loop iterations of one noise, or of one octave of turbulence
 //! // @places 6               additional evaluations of the density
@@ -26,6 +27,7 @@ use super::drift::Drift;
 use super::error::LibraryError;
 use super::names::identifier;
 use super::reach::Reach;
+use std::collections::BTreeSet;
 
 /// Declarations of a module or of a program.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -42,6 +44,8 @@ pub struct Declarations {
     pub noise_bound: Option<f32>,
     /// Whether the normal of a sample is read.
     pub needs_normal: bool,
+    /// Channels of the groom that are read.
+    pub groom: BTreeSet<String>,
     /// The module of the same slot that this one samples. This and the following fields are for single modules only.
     pub exact: Option<Exact>,
     /// Loop iterations of one noise (1 without a loop) or of one octave of turbulence (0 without a sum).
@@ -114,7 +118,7 @@ pub enum ParameterKind {
 }
 
 /// Syntax of each declaration, for errors.
-const FORMS: [(&str, &str); 16] = [
+const FORMS: [(&str, &str); 17] = [
     ("param", "`// @param name = 0.5 in [0, 1]: Its effect.`"),
     ("color", "`// @color name = #ff8000: Its meaning.`"),
     ("outer", "`// @outer parameter`, which the module declares by `// @param`"),
@@ -126,6 +130,7 @@ const FORMS: [(&str, &str); 16] = [
     ),
     ("bound", "`// @bound 0.87`"),
     ("needs", "`// @needs normal`"),
+    ("groom", "`// @groom` and channels out of length, density, color and direction"),
     ("exact", "`// @exact module`, and never, noise_block, turbulence_block or channel_block behind it"),
     ("loops", "`// @loops` and a whole number, 0 or more"),
     ("places", "`// @places` and a whole number, 0 or more"),
@@ -137,6 +142,9 @@ const FORMS: [(&str, &str); 16] = [
 ];
 /// Values of `effect.turbulence_repeat`.
 const PERIODS: [&str; 4] = ["never", "noise_block", "turbulence_block", "channel_block"];
+
+/// Channels of a groom.
+const PAINTED: [&str; 4] = ["length", "density", "color", "direction"];
 
 impl Declarations {
     pub(super) fn add_suffix(&mut self, suffix: &str) {
@@ -179,6 +187,9 @@ pub(super) fn parse(path: &str, text: &str) -> Result<Declarations, LibraryError
                 found.exact = Some(Exact { module: identifier(module).ok_or_else(wrong)?, repeat });
             }
             "needs" if word == "normal" => found.needs_normal = true,
+            "groom" if !word.is_empty() && word.split_whitespace().all(|channel| PAINTED.contains(&channel)) => {
+                found.groom.extend(word.split_whitespace().map(String::from));
+            }
             "bound" => found.noise_bound = Some(word.parse().map_err(|_| wrong())?),
             "move" | "grow" => reach.add(kind == "grow", rest).ok_or_else(wrong)?,
             "drift" => found.drifts.push(Drift::parse(rest).ok_or_else(wrong)?),
@@ -288,6 +299,7 @@ mod tests {
             ("@segments A", "`// @segments module`"),
             ("@looks ahead", "`// @looks back`"),
             ("@needs time", "`// @needs normal`"),
+            ("@groom width", "`// @groom` and channels out of length, density, color and direction"),
         ] {
             let expected = format!("a.frag:1: `// {text}` is not a declaration; write {allowed}");
             assert_eq!(declarations(&format!("// {text}")).unwrap_err().to_string(), expected);

@@ -7,7 +7,8 @@ use super::file::{File, Include, include};
 use super::names::{definitions, members, rename};
 use super::reach::Reach;
 use super::slots::{
-    FOLDED, FORMULA, MASK, MEDIUM, MEDIUM_FUNCTIONS, OBJECT_ENTRY, OBJECTS, PARAMETERS, PART, Slots, objects, qualified,
+    FOLDED, FORMULA, GROOM, MASK, MEDIUM, MEDIUM_FUNCTIONS, OBJECT_ENTRY, OBJECTS, PARAMETERS, PART, Slots, UNPAINTED,
+    objects, qualified,
 };
 use std::borrow::Cow;
 use std::cell::Cell;
@@ -282,6 +283,7 @@ impl Library {
             all.drifts.extend(one.drifts);
             all.noise_bound = one.noise_bound.or(all.noise_bound);
             all.needs_normal |= one.needs_normal;
+            all.groom.extend(one.groom);
             Ok(())
         })?;
         let is_known = |name: &String| all.parameters.iter().any(|parameter| parameter.name == *name);
@@ -331,6 +333,10 @@ impl Library {
                     Some(Include::Slot(slot)) => {
                         let own = choice.get(&format!("{object}.{slot}"));
                         let Some(names) = own.or(choice.get(slot)) else {
+                            if slot == GROOM {
+                                queue.push(format!("{GROOM}/{UNPAINTED}.glsl"));
+                                continue;
+                            }
                             if self.modules(slot).is_empty() {
                                 return Err(LibraryError::Slot { path, slot: slot.into() });
                             }

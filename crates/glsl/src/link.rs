@@ -16,7 +16,9 @@ use super::layers::{layered, media};
 use super::library::Library;
 use super::names::members;
 use super::rounding::with_exact_rounding;
-use super::slots::{FOLDED, FORMULA, MAIN, MEDIUM, OBJECT_ENTRY, OBJECTS, PARAMETERS, PART, Slots, qualified};
+use super::slots::{
+    FOLDED, FORMULA, GROOM, MAIN, MEDIUM, OBJECT_ENTRY, OBJECTS, PARAMETERS, PART, Slots, UNPAINTED, qualified,
+};
 use super::stage::Stage;
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
@@ -159,7 +161,8 @@ fn fill(library: &Library, slot: &str, names: &[String]) -> Result<(String, Stri
         return media(library, names);
     }
     let Some((_, signature, call, end)) = STACKS.iter().find(|stack| stack.0 == slot) else {
-        let path = library.path(slot, names.first().map(String::as_str).unwrap_or_default())?;
+        let otherwise = if slot == GROOM { UNPAINTED } else { "" };
+        let path = library.path(slot, names.first().map_or(otherwise, String::as_str))?;
         let text = library.text(&path).into_owned();
         return Ok((path, text));
     };

@@ -22,6 +22,10 @@ pub const FOLDED: &str = "zero";
 pub const PART: &str = "part.glsl";
 /// Slot of the masks, which limit where a DMF acts.
 pub const MASK: &str = "mask";
+/// Slot of the groom; a choice without it has the module [`UNPAINTED`].
+pub const GROOM: &str = "groom";
+/// Module of that slot by which nothing is painted.
+pub const UNPAINTED: &str = "none";
 /// Slot that colors soft matter.
 pub const MEDIUM: &str = "medium";
 /// Functions of a medium: its color, and optionally its extinction relative to the scene's rate.

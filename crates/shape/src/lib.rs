@@ -7,6 +7,7 @@
 
 mod axes;
 mod bounds;
+mod brush;
 mod built_in;
 mod data_files;
 mod decompress;
@@ -17,6 +18,7 @@ mod facts;
 mod fields;
 mod from_memory;
 mod gltf;
+mod groom;
 pub mod head;
 mod iso_values;
 mod looks;
@@ -52,11 +54,13 @@ mod write_volume;
 
 pub use axes::Axes;
 pub use bounds::{Bounds, MAX_COORDINATE};
+pub use brush::{Brush, BrushKind};
 pub use built_in::BUILT_IN;
 pub use enclosed::Enclosed;
 pub use error::{Found, Location, ShapeError};
 pub use facts::{Fact, Facts};
 pub use from_memory::MEMORY;
+pub use groom::Groom;
 pub use iso_values::Histogram;
 pub use looks::Looks;
 pub use mesh::{Edges, MAX_TRIANGLES, Mesh};

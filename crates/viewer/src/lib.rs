@@ -30,6 +30,7 @@ mod mean;
 pub mod message;
 #[doc(hidden)] // for the tests of this crate
 pub mod model;
+mod painting;
 #[doc(hidden)] // for the tests of this crate
 pub mod panels;
 #[doc(hidden)] // for the tests of this crate

@@ -58,6 +58,21 @@ impl ViewPose {
         (seen.truncate() / scale + to.pan).into()
     }
 
+    /// The ray through a place of the picture, in object space: where it begins, and its unit direction.
+    pub fn ray(&self, at: [f32; 2]) -> (Vec3, Vec3) {
+        let across = ((Vec2::from(at) - self.pan) * self.ray_scale * Vec2::new(1.0, -1.0)).extend(0.0);
+        let [from, to] = if self.is_parallel { [across, across - Vec3::Z] } else { [Vec3::ZERO, across - Vec3::Z] };
+        let [from, to] = [from, to].map(|end| self.object_matrix.inverse().transform_point3(end));
+        (from, (to - from).normalize())
+    }
+
+    /// The place of a point of object space in the picture.
+    pub fn place(&self, point: Vec3) -> [f32; 2] {
+        let eye = self.object_matrix.transform_point3(point);
+        let depth = if self.is_parallel { 1.0 } else { -eye.z };
+        (eye.truncate() / (self.ray_scale * depth) * Vec2::new(1.0, -1.0) + self.pan).into()
+    }
+
     /// Scale from places of the picture to lengths, at a distance `toward` the eye from the middle.
     fn depth(&self, toward: f32) -> f32 {
         if self.is_parallel { 1.0 } else { self.distance - toward }
@@ -110,6 +125,22 @@ mod tests {
             let there_and_back = to.reproject(&from, from.reproject(&to, [0.1, 0.2]));
             assert!(Vec2::from(there_and_back).distance(Vec2::new(0.1, 0.2)) < 0.02, "{there_and_back:?}");
             assert!(Vec2::from(from.reproject(&from, [0.4, -0.3])).distance(Vec2::new(0.4, -0.3)) < 1e-4);
+        }
+    }
+
+    #[test]
+    fn a_ray_goes_through_the_points_that_are_drawn_at_its_place() {
+        for projection in [Projection::Perspective, Projection::Parallel] {
+            let (pose, view) = sight(|scene| {
+                (scene.image.size, scene.camera.projection) = ([400, 300], projection);
+                (scene.camera.pan, scene.camera.azimuth, scene.camera.zoom) = ([0.3, -0.2], 40.0, 1.3);
+            });
+            for point in [Vec3::new(0.3, 0.5, -0.2), Vec3::new(-0.8, 0.1, 0.6)] {
+                let place = pose.place(point);
+                assert!(Vec2::from(place).distance(rendered(&view, point)) < 1e-5, "{projection:?} {point}");
+                let (from, along) = pose.ray(place);
+                assert!((point - from).cross(along).length() < 1e-4, "{projection:?} {point}");
+            }
         }
     }
 

@@ -5,10 +5,13 @@ use crate::gpu::{self, Buffer, BufferUse, Gpu, Image, Sampler, Uploads};
 use crate::render::camera::{FrameContext, SubFrame};
 use crate::render::cells::{self, BackgroundCells, CellStats, EmptyCells, Tiles};
 use crate::render::error::RenderError;
-use crate::render::inputs::{Encoded, Filter, ImageInfo, Inputs, Sparse, StoredObjects, Values, block_image, blocks};
+use crate::render::inputs::{
+    Encoded, Filter, ImageInfo, Inputs, Sparse, StoredObjects, Values, block_image, blocks, groom_image,
+};
 use crate::render::variant::{Blocks, OCTAVES_ID, PICTURE_BINDING, Program, Resource, Use, bindings};
 use crate::scene::Scene;
 use crate::shader::Library;
+use crate::shape::Groom;
 use std::sync::Arc;
 
 /// Bound resources of one program.
@@ -170,6 +173,25 @@ impl BoundInputs {
             self.images.retain(|(other, _)| *other != binding);
             self.images.push((binding, image));
         }
+    }
+
+    /// Uploads a groom in place of the one before. `has_cells`: whether the next pictures prove their cells anew, which takes
+    /// longer than a stroke may.
+    pub(crate) fn paint(
+        &mut self,
+        gpu: &Gpu,
+        library: &Library,
+        program: &Program,
+        groom: &Groom,
+        has_cells: bool,
+    ) -> Result<(), RenderError> {
+        for name in [bindings::GROOM_SHAPE, bindings::GROOM_LOOK].into_iter().filter(|name| program.reads(name)) {
+            let own = groom_image(groom, name);
+            let image = self.uploads.image(gpu, own.name, own.dimension, own.format, &own.bytes)?;
+            self.replace(program, name, image);
+        }
+        self.cells = has_cells.then(|| EmptyCells::new(library));
+        Ok(self.uploads.submit(gpu)?)
     }
 
     /// Latest blocks of another program, which must not read further values.

@@ -57,6 +57,11 @@ type Shape = (u32, &'static [u32], gpu::Format, u32, gpu::Blend, gpu::Marks);
 /// Work before the first rays of a picture, once its blocks are filled.
 pub(super) type Prelude<'a> = &'a mut dyn FnMut(&mut Prepared, &FrameContext) -> Result<(), RenderError>;
 
+/// Whether slices are cut into tiles by cells.
+fn is_cut(destination: Destination, scene: &Scene) -> bool {
+    destination == Destination::Frame && scene.quality.pass == Pass::Slices
+}
+
 /// A scene with program, pipelines, images and targets.
 pub(crate) struct Prepared {
     pub(super) gpu: Gpu,
@@ -106,8 +111,7 @@ impl Prepared {
                 // A host's scene is prepared without submissions; and a CPU bakes faster by rows than by texels.
                 let on_device = !is_recorded && !gpu.info().cpu;
                 let inputs = Inputs::without_blocks(library, frame, &program, progress, on_device)?;
-                let is_cut = !is_recorded && quality.pass == Pass::Slices;
-                BoundInputs::new(gpu, library, &program, &inputs, is_cut, is_recorded, progress)
+                BoundInputs::new(gpu, library, &program, &inputs, is_cut(destination, scene), is_recorded, progress)
             },
             Ok,
         )?;
@@ -153,6 +157,11 @@ impl Prepared {
             compile_ms,
             whole,
         })
+    }
+
+    /// Whether its slices are cut into tiles by cells.
+    pub(super) fn is_cut(&self) -> bool {
+        is_cut(self.destination, &self.variant.scene)
     }
 
     /// The target, unless it has several samples per pixel.

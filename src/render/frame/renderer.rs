@@ -13,9 +13,10 @@ use crate::render::custom_modules::with_module_cause;
 use crate::render::error::RenderError;
 use crate::render::measurements::Frame;
 use crate::render::subject::Subject;
-use crate::render::variant::{Checkable, Variant};
+use crate::render::variant::{Checkable, Variant, bindings};
 use crate::scene::{Scene, ShaderStage};
 use crate::shader::{Library, Slots};
+use crate::shape::Groom;
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
@@ -42,6 +43,8 @@ pub struct Renderer {
     pub(super) prepared: Vec<Prepared>,
     pub(super) cache_size: usize,
     whole: Option<[u32; 2]>,
+    /// Whether the groom is being painted.
+    is_stroke: bool,
     stop: Stop,
     /// Modules and samples of scenes whose two-phase rays the device has cut short.
     cut_short: Vec<(Slots, u32)>,
@@ -67,6 +70,7 @@ impl Renderer {
             prepared: Vec::new(),
             cache_size: 1,
             whole: None,
+            is_stroke: false,
             stop: Arc::new(|_| false),
             cut_short: Vec::new(),
             ways: Ways::default(),
@@ -89,6 +93,27 @@ impl Renderer {
     /// Renders previews: empty cells are chosen as for a picture of `size`.
     pub fn preview_of(&mut self, size: [u32; 2]) {
         self.whole = Some(size);
+    }
+
+    /// Takes what is painted on the object since. During a `stroke`, pictures are drawn without empty cells, whose proofs
+    /// take longer.
+    ///
+    /// # Errors
+    /// Memory of the device is exhausted.
+    pub fn paint(&mut self, groom: &Option<Arc<Groom>>, stroke: bool) -> Result<(), RenderError> {
+        let is_same = match (&self.subject.groom, groom) {
+            (Some(own), Some(other)) => Arc::ptr_eq(own, other),
+            (own, other) => own.is_none() && other.is_none(),
+        };
+        if is_same && (stroke || !self.is_stroke) {
+            return Ok(());
+        }
+        (self.subject.groom, self.is_stroke) = (groom.clone(), stroke);
+        let Some(groom) = groom else { return Ok(()) };
+        self.prepared.iter_mut().filter(|own| own.variant.scene.groom.is_some()).try_for_each(|own| {
+            let has_cells = !stroke && (own.program.reads(bindings::CELLS) || own.is_cut());
+            own.bound.paint(&self.gpu, &self.library, &own.program, groom, has_cells)
+        })
     }
 
     /// Prepares the next picture of a scene. `progress` receives the finished share of a noise block, from any thread;

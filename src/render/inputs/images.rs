@@ -13,6 +13,7 @@ use crate::render::error::RenderError;
 use crate::render::texture::{self, Bricks, Encoding, Texels};
 use crate::render::variant::{Program, Resource, Use, Variant, bindings};
 use crate::shader::Library;
+use crate::shape::Groom;
 use std::cell::Cell;
 
 /// Encoded volumes of one object, as far as the program reads them.
@@ -174,6 +175,7 @@ pub(crate) fn image_key(frame: &FrameContext, name: &str) -> String {
             )
         }
         bindings::CLOSEST => format!("{}", object.inner_iso),
+        bindings::GROOM_SHAPE | bindings::GROOM_LOOK => format!("{:?}", scene.groom),
         bindings::BRICKS => format!("{densities:?} {:?} {}", scene.quality.integration, planes.step),
         _ => format!("{:?}", item.encoding(variant)),
     }
@@ -204,6 +206,9 @@ fn image(
         bindings::CLOSEST => {
             let Texels { size, bytes, .. } = volumes[index].offsets.take().ok_or(RenderError::Missing(CLOSEST))?;
             Encoded { name: CLOSEST, dimension: volume(size), format: Format::Rgba16Unorm, bytes }
+        }
+        bindings::GROOM_SHAPE | bindings::GROOM_LOOK => {
+            groom_image(subject.groom.as_ref().ok_or(RenderError::Missing("groom"))?, name)
         }
         bindings::BRICKS => {
             let bricks = volumes[index].bricks.as_ref().ok_or_else(|| RenderError::Unfilled(name.into()))?;
@@ -243,6 +248,13 @@ fn image(
             Encoded { name: "distance field", dimension: volume(texels.size), format, bytes: texels.bytes }
         }
     })
+}
+
+/// Encodes the image of a groom: direction and length, or color and density.
+pub(crate) fn groom_image(groom: &Groom, name: &str) -> Encoded {
+    let (side, channels) = (groom.side(), if name == bindings::GROOM_SHAPE { [5, 6, 7, 0] } else { [2, 3, 4, 1] });
+    let (dimension, bytes) = (Dimension::Volume(side, side, side), groom.texels(channels));
+    Encoded { name: "groom", dimension, format: Format::Rgba16Float, bytes }
 }
 
 /// Resolves a binding to the index of its object, and to its name without the object's suffix.

@@ -6,11 +6,11 @@ use crate::render::error::RenderError;
 use crate::render::variant::{Checkable, Variant};
 use crate::scene::{GLSL, Object, Scene};
 use crate::shader::Library;
-use crate::shape::{self, Opened, Shape};
+use crate::shape::{self, Groom, Opened, Shape};
 use glam::{DVec3, Mat3, Mat4, Vec3};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// The loaded object of a scene, for any effect.
@@ -41,6 +41,8 @@ pub struct Subject {
     pub proposed_iso: Option<f32>,
     /// Files read besides the named one: the data of a header, the slices of a series.
     pub others: Vec<PathBuf>,
+    /// What is painted on the object.
+    pub groom: Option<Arc<Groom>>,
     /// The additional objects of the scene, each in its own space.
     pub parts: BTreeMap<String, Subject>,
 }
@@ -133,6 +135,7 @@ impl Subject {
         let count = objects.len() as f32;
         let part = |before: u8| move |done: f32| progress((f32::from(before) + done) / count);
         let mut subject = own(&objects[0], &part(0))?;
+        subject.groom = variant.scene.groom.as_deref().map(|file| groom(file, &subject.input)).transpose()?;
         for ((name, wanted), before) in variant.parts.keys().zip(&objects[1..]).zip(1..) {
             let loaded = Subject::of(wanted, Some(&subject), &part(before))?;
             subject.parts.insert(name.clone(), loaded);
@@ -206,6 +209,7 @@ impl Subject {
             report,
             proposed_iso,
             others,
+            groom: None,
             parts,
         })
     }
@@ -219,6 +223,16 @@ impl Subject {
     pub fn all_others(&self) -> impl Iterator<Item = &PathBuf> {
         self.others.iter().chain(self.parts.values().flat_map(|part| &part.others))
     }
+}
+
+/// Reads the groom of an object.
+fn groom(file: &str, object: &str) -> Result<Arc<Groom>, RenderError> {
+    let groom = Groom::read(Path::new(file))?;
+    let name = |path: &str| Path::new(path).file_name().map(|name| name.to_os_string());
+    if name(&groom.object) != name(object) {
+        log::warn!("groom {file}: it was painted on {}; it is read at the same places of {object}", groom.object);
+    }
+    Ok(Arc::new(groom))
 }
 
 /// A built-in formula in `glsl/object`.

@@ -1,5 +1,6 @@
 //! Loaded objects of a scene.
 
+mod hit;
 mod load;
 mod request;
 

@@ -13,6 +13,8 @@ pub(crate) const LIGHT_BEHIND: &str = "light_behind_image";
 pub(crate) const CELLS: &str = "cell_image";
 /// The target of the picture in the program of the opaque mask.
 pub(crate) const TARGET: &str = "target_image";
+pub(crate) const GROOM_SHAPE: &str = "groom_shape_image";
+pub(crate) const GROOM_LOOK: &str = "groom_look_image";
 pub(crate) const BLOCK_SAMPLER: &str = "block_sampler";
 
 /// Images that are rendered with the picture.

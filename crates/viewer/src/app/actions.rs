@@ -36,6 +36,13 @@ impl App {
                 self.navigation.glide = None;
                 self.note(if self.navigation.inertia { "inertia on" } else { "inertia off" });
             }
+            Action::Paint => self.panels.painting.is_on ^= true,
+            Action::Weaker => {
+                self.panels.painting.brush.strength = (self.panels.painting.brush.strength / 1.25).max(0.02)
+            }
+            Action::Stronger => {
+                self.panels.painting.brush.strength = (self.panels.painting.brush.strength * 1.25).min(1.0)
+            }
             Action::Level => self.navigation.level = !self.navigation.level,
             Action::Side(index) => {
                 let (_, azimuth, elevation) = SIDES[index];

@@ -5,6 +5,7 @@ mod frame;
 mod inspect;
 mod mouse;
 mod overlay;
+mod paint;
 mod receive;
 mod state;
 mod submit;

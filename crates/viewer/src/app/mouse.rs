@@ -21,6 +21,9 @@ impl App {
         if response.is_pointer_button_down_on() {
             keys::stop_writing(ui.ctx());
         }
+        if self.paint(ui, response) {
+            return;
+        }
         if response.drag_started() {
             let modifiers = ui.input(|input| input.modifiers);
             self.navigation.drag = match () {
@@ -54,7 +57,10 @@ impl App {
         if let Some(at) = response.hover_pos() {
             let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
             let factor = (scroll / 400.0).exp() * if scroll == 0.0 { pinch } else { 1.0 };
-            if factor != 1.0
+            if factor != 1.0 && self.panels.painting.is_on {
+                let brush = &mut self.panels.painting.brush;
+                brush.radius = (brush.radius * factor).clamp(0.02, 1.0);
+            } else if factor != 1.0
                 && let Some(half) = self.half_height()
             {
                 let from = (at - self.place.center()) / (0.5 * self.place.height().max(1.0));

@@ -16,6 +16,7 @@ impl App {
         }
         self.inspect(ui);
         self.show_light(ui);
+        self.show_brush(ui);
         let dark = Frame::popup(ui.style());
         if let Some((name, done)) = self.loader.progress() {
             Area::new(Id::new("loading")).fixed_pos(place.center() - Vec2::new(130.0, 30.0)).show(ui.ctx(), |ui| {
@@ -71,6 +72,7 @@ impl App {
                 Action::Play => Some(self.time.clock.is_some()),
                 Action::Compare => Some(self.comparison.pinned.is_some()),
                 Action::Validity => Some(self.validity),
+                Action::Paint => Some(self.panels.painting.is_on),
                 Action::Inertia => Some(self.navigation.inertia),
                 Action::Level => Some(self.navigation.level),
                 Action::Inspect => Some(self.inspector.is_open()),

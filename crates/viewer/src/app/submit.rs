@@ -57,6 +57,16 @@ impl App {
                 // The loader loads one object at a time.
                 None => self.loader.subject(&scene, &library, !lacks, &self.notify),
             };
+            let subject = match subject {
+                Ok(Some(subject)) => match self.panels.painting.on(subject.clone(), &mut scene) {
+                    Ok(painted) => Ok(Some(painted)),
+                    Err(reason) => {
+                        self.fail(reason);
+                        Ok(Some(subject))
+                    }
+                },
+                other => other,
+            };
             match subject {
                 Ok(Some(subject)) => variants.push(Variant { scene, library, subject }),
                 Ok(None) => {

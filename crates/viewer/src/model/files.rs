@@ -2,10 +2,12 @@
 
 use super::state::Model;
 use crate::message::Message;
+use crate::painting::is_version;
 use hypertexture::output::{OutputError, read_provenance};
 use hypertexture::scene::{self, Reach, Scene, SceneError};
 use hypertexture::shader::Library;
 use measure::guard::edited;
+use std::fs;
 use std::path::Path;
 use support::{open, write_whole};
 
@@ -61,9 +63,27 @@ impl Model {
         path.exists() && (held.is_none() || held.as_ref() != self.written.get(path))
     }
 
+    /// The scene for a file, with a painted groom copied beside it.
+    fn groom_beside(&self, path: &Path) -> Result<Scene, String> {
+        let mut scene = self.scene.clone();
+        if let Some(version) = self.scene.groom.as_deref().filter(|file| is_version(file)) {
+            let own = path.with_extension("groom.nrrd");
+            let copied = fs::read(version).and_then(|bytes| write_whole(&own, &bytes));
+            copied.map_err(|error| format!("{}: {error}; nothing was written", own.display()))?;
+            scene.groom = own.file_name().map(|name| name.to_string_lossy().into_owned());
+        }
+        Ok(scene)
+    }
+
     /// Writes the scene, complete with defaults, as one atomic replacement of the file.
     pub fn save(&mut self, path: &Path) -> bool {
-        let text = scene::to_text(&self.scene);
+        let text = match self.groom_beside(path) {
+            Ok(scene) => scene::to_text(&scene),
+            Err(reason) => {
+                self.say(reason);
+                return false;
+            }
+        };
         match write_whole(path, text.as_bytes()) {
             Ok(()) => {
                 self.written.insert(path.into(), text);

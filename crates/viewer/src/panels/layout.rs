@@ -5,12 +5,13 @@ use super::dialogs::{self, Question};
 use super::request::Request;
 use super::status::Status;
 use super::{
-    accuracy, bookmarks, camera, editor, effect, file_info, finals, keyframes, messages, object, parameters, presets,
+    accuracy, bookmarks, camera, editor, effect, file_info, finals, groom, keyframes, messages, object, parameters, presets,
     settings, status_bar, theme, timeline, toolbar, transfer, widgets,
 };
 use crate::author::Author;
 use crate::message::Message;
 use crate::model::Model;
+use crate::painting::Painting;
 use crate::unsaved;
 use egui::{CollapsingHeader, Id, Panel, PanelState, RichText, ScrollArea, Ui};
 use std::path::PathBuf;
@@ -51,6 +52,7 @@ pub struct Panels {
     theme: theme::Chosen,
     keyframes: keyframes::Keyframes,
     pub(crate) finals: finals::Finals,
+    pub(crate) painting: Painting,
 }
 
 impl Panels {
@@ -82,6 +84,7 @@ impl Panels {
             most: 0.0,
             theme: theme::Chosen::default(),
             keyframes: keyframes::Keyframes::default(),
+            painting: Painting::default(),
         })
     }
 
@@ -254,6 +257,7 @@ impl Panels {
             section(ui, "Effect", true, |ui| effect::show(ui, pass, part));
         }
         section(ui, "Parameters", true, |ui| parameters::show(ui, pass, part));
+        section(ui, "Groom", false, |ui| groom::show(ui, pass, &mut self.painting));
         section(ui, "Transfer map", false, |ui| transfer::show(ui, pass, part, &mut self.stop));
         section(ui, "Material", false, |ui| settings::table(ui, pass, &prefix(part), "material"));
         section(ui, "Light and background", false, |ui| camera::light(ui, pass));

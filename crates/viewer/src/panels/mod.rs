@@ -13,6 +13,7 @@ mod editor;
 mod effect;
 mod file_info;
 mod finals;
+mod groom;
 mod keyframes;
 mod layout;
 mod messages;

@@ -3,6 +3,8 @@
 use crate::background::{Background, silent};
 use hypertexture::render::{RenderError, Renderer};
 use hypertexture::scene::Scene;
+use hypertexture::shape::Groom;
+use std::sync::Arc;
 use std::task::Poll;
 use std::thread;
 use std::time::Duration;
@@ -26,13 +28,16 @@ impl BackgroundRenderer {
         self.idle.as_ref().is_some_and(|renderer| renderer.is_ready(scene))
     }
 
-    /// The renderer, prepared for a scene; `None` if it is `stale` before that.
+    /// The renderer, prepared for a scene with its groom; `None` if it is `stale` before that.
     pub(super) fn prepared(
         &mut self,
         scene: &Scene,
+        groom: &Option<Arc<Groom>>,
         stale: &dyn Fn() -> bool,
     ) -> Result<Option<&mut Renderer>, RenderError> {
-        if self.wait(stale)?.is_some() && self.idle.as_ref().is_some_and(|renderer| !renderer.is_prepared(scene)) {
+        self.wait(stale)?;
+        self.idle.as_mut().map(|renderer| renderer.paint(groom, false)).transpose()?;
+        if self.idle.as_ref().is_some_and(|renderer| !renderer.is_prepared(scene)) {
             let scene = scene.clone();
             self.start(move |renderer| renderer.prepare(&scene, &|_| ()).map(|()| 0.0));
             self.wait(stale)?;

@@ -17,9 +17,10 @@ pub(crate) struct Variant {
 }
 
 impl Variant {
-    /// Whether another variant has the same modules and object.
+    /// Whether another variant has the same modules and object, with any groom.
     pub(crate) fn has_same_program(&self, other: &Variant) -> bool {
-        Arc::ptr_eq(&self.library, &other.library) && Arc::ptr_eq(&self.subject, &other.subject)
+        let same = Arc::ptr_eq(&self.subject, &other.subject) || self.subject.is_same_object(&other.subject);
+        same && Arc::ptr_eq(&self.library, &other.library)
     }
 }
 

@@ -98,7 +98,9 @@ impl RenderThread {
                 if !renderers_of.mean.is_ready(&scene) && !self.rests(job, CALM) {
                     return Ok(false);
                 }
-                let Some(renderer) = renderers_of.mean.prepared(&scene, &stale)? else { return Ok(false) };
+                let Some(renderer) = renderers_of.mean.prepared(&scene, &variant.subject.groom, &stale)? else {
+                    return Ok(false);
+                };
                 let shared = shared.clone();
                 renderer.stop_where(move |_| shared.is_stale(job_number));
                 let frame = renderer.render_areas(&scene, &[Area::whole(size)], Some(sub_frame))?;

@@ -159,6 +159,9 @@ impl RenderThread {
         renderers: &mut [VariantRenderers],
         accumulation: &mut Option<Accumulation>,
     ) -> Result<(), RenderError> {
+        for (variant, renderers_of) in job.variants.iter().zip(&mut *renderers) {
+            renderers_of.own.paint(&variant.subject.groom, job.moving)?;
+        }
         if accumulation.as_ref().is_none_or(|accumulation| accumulation.scenes != scenes(job)) {
             let before = accumulation.take();
             if !job.variants.iter().all(|variant| self.admits(&variant.scene, &variant.library)) {

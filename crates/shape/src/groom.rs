@@ -1,0 +1,241 @@
+//! Grooms: channels painted in space over an object, which modules read at its skin.
+//!
+//! Source: MJ 2 and 7, texturing without parameterization. A file is a NRRD of shorts in gzip with the sizes 8 n n n, which other
+//! readers of NRRD open.
+
+use super::error::{Location, ShapeError, shown, unreadable};
+use flate2::Compression;
+use flate2::read::GzDecoder;
+use flate2::write::GzEncoder;
+use glam::Vec3;
+use half::f16;
+use std::io::{self, BufRead, Read, Write};
+use std::ops::RangeInclusive;
+use std::path::Path;
+use support::open;
+
+/// Half the side of the cube that a groom covers, object units: `GROOM_REACH` of `glsl/groom/volume.glsl`.
+const REACH: f32 = 1.125;
+/// Codes of a file in one unit of a channel.
+const UNIT: f32 = 16000.0;
+/// Largest file, bytes: all voxels without compression.
+const MAX_BYTES: u64 = 16 * 256 * 256 * 256 + (1 << 16);
+const KEY: &str = "hypertexture groom";
+
+/// A volume of painted channels over an object.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Groom {
+    /// The object that it was painted on.
+    pub object: String,
+    side: u32,
+    voxels: Vec<[f16; 8]>,
+}
+
+impl Groom {
+    /// Names of the channels.
+    pub const CHANNELS: [&str; 8] = ["length", "density", "red", "green", "blue", "x", "y", "z"];
+    /// Values of the channels where nothing is painted.
+    pub const NEUTRAL: [f32; 8] = [1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0];
+    /// Voxels along a side.
+    pub const SIDES: RangeInclusive<u32> = 32..=256;
+
+    /// A groom in which nothing is painted.
+    pub fn unpainted(object: &str, side: u32) -> Groom {
+        let voxels = vec![Groom::NEUTRAL.map(f16::from_f32); (side as usize).pow(3)];
+        Groom { object: object.into(), side, voxels }
+    }
+
+    /// Voxels along a side.
+    pub fn side(&self) -> u32 {
+        self.side
+    }
+
+    /// Number of voxels.
+    pub fn voxels(&self) -> usize {
+        self.voxels.len()
+    }
+
+    /// Place of a voxel, x fastest, in object space.
+    pub fn place(&self, index: usize) -> Vec3 {
+        let side = self.side as usize;
+        let at = [index % side, index / side % side, index / side / side].map(|at| at as f32);
+        REACH * ((2.0 * Vec3::from(at) + 1.0) / self.side as f32 - 1.0)
+    }
+
+    /// Indices of the voxels within `radius` of a place.
+    pub fn around(&self, place: Vec3, radius: f32) -> impl Iterator<Item = usize> + '_ {
+        let of = |place: Vec3| (place / REACH + 1.0) * (0.5 * self.side as f32) - 0.5;
+        let last = Vec3::splat(self.side as f32 - 1.0);
+        let [low, high] = [of(place - radius).ceil(), of(place + radius).floor()];
+        let [low, high] = [low.max(Vec3::ZERO), high.min(last) + 1.0].map(|corner| corner.as_uvec3());
+        let index = move |x: u32, y: u32, z: u32| ((z * self.side + y) * self.side + x) as usize;
+        let row = move |y: u32, z: u32| (low.x..high.x).map(move |x| index(x, y, z));
+        let all = (low.z..high.z).flat_map(move |z| (low.y..high.y).flat_map(move |y| row(y, z)));
+        all.filter(move |index| self.place(*index).distance_squared(place) <= radius * radius)
+    }
+
+    /// The channels of a voxel.
+    pub fn at(&self, index: usize) -> [f32; 8] {
+        self.voxels[index].map(f16::to_f32)
+    }
+
+    /// Sets the channels of a voxel, within their ranges: 0 to 2, and -1 to 1 of the direction.
+    pub fn set(&mut self, index: usize, channels: [f32; 8]) {
+        for (channel, (stored, value)) in self.voxels[index].iter_mut().zip(channels).enumerate() {
+            *stored =
+                f16::from_f32(value.clamp(if channel < 5 { 0.0 } else { -1.0 }, if channel < 5 { 2.0 } else { 1.0 }));
+        }
+    }
+
+    /// Texels of four halves for a device, of these channels.
+    pub fn texels(&self, channels: [usize; 4]) -> Vec<u8> {
+        let values = self.voxels.iter().flat_map(|voxel| channels.map(|channel| voxel[channel]));
+        values.flat_map(f16::to_ne_bytes).collect()
+    }
+
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// The file cannot be read, or is not a groom.
+    pub fn read(path: &Path) -> Result<Groom, ShapeError> {
+        let file = shown(&path.to_string_lossy());
+        let bytes = open::bytes(path, MAX_BYTES).map_err(|error| unreadable(file.clone(), error))?;
+        Groom::from_bytes(&file, &bytes)
+    }
+
+    /// Reads the bytes of a file, which errors call `file`.
+    ///
+    /// # Errors
+    /// They are not a groom.
+    pub fn from_bytes(file: &str, bytes: &[u8]) -> Result<Groom, ShapeError> {
+        let (header, mut data) = (Header::read(bytes, file)?, bytes);
+        data.consume(header.length);
+        let count = (header.side as usize).pow(3);
+        let mut codes = Vec::new();
+        let damaged = |decoded: usize, reason| ShapeError::Decompression {
+            file: file.into(),
+            offset: header.length as u64,
+            decoded: decoded as u64,
+            reason,
+        };
+        let read = GzDecoder::new(data).take(16 * count as u64 + 1).read_to_end(&mut codes);
+        read.map_err(|reason| damaged(codes.len(), reason))?;
+        if codes.len() != 16 * count {
+            let reason = io::Error::new(io::ErrorKind::UnexpectedEof, format!("{} bytes are needed", 16 * count));
+            return Err(damaged(codes.len(), reason));
+        }
+        let mut groom = Groom::unpainted(&header.object, header.side);
+        for (index, voxel) in codes.as_chunks::<16>().0.iter().enumerate() {
+            let codes: [[u8; 2]; 8] = std::array::from_fn(|channel| [voxel[2 * channel], voxel[2 * channel + 1]]);
+            groom.set(index, codes.map(|code| f32::from(i16::from_le_bytes(code)) / UNIT));
+        }
+        Ok(groom)
+    }
+
+    /// Writes a file.
+    ///
+    /// # Errors
+    /// Errors of `to`.
+    pub fn write(&self, mut to: impl Write) -> io::Result<()> {
+        let (n, step) = (self.side, 2.0 * REACH / self.side as f32);
+        writeln!(to, "NRRD0005\n# channels {} in units of 1/{UNIT}", Groom::CHANNELS.join(", "))?;
+        writeln!(to, "type: short\ndimension: 4\nspace dimension: 3\nsizes: 8 {n} {n} {n}")?;
+        writeln!(to, "space directions: none ({step},0,0) (0,{step},0) (0,0,{step})")?;
+        let origin = self.place(0).x;
+        writeln!(to, "space origin: ({origin},{origin},{origin})\nkinds: vector domain domain domain")?;
+        writeln!(to, "endian: little\nencoding: gzip\n{KEY}:={}\n", self.object.replace(char::is_control, " "))?;
+        let mut encoder = GzEncoder::new(to, Compression::default());
+        for voxel in &self.voxels {
+            let codes = voxel.map(|value| ((value.to_f32() * UNIT).round() as i16).to_le_bytes());
+            encoder.write_all(codes.as_flattened())?;
+        }
+        encoder.finish()?.flush()
+    }
+}
+
+/// The part of a file before its data.
+struct Header {
+    object: String,
+    side: u32,
+    /// Its bytes.
+    length: usize,
+}
+
+impl Header {
+    fn read(bytes: &[u8], file: &str) -> Result<Header, ShapeError> {
+        let malformed = |line: usize, expected: &'static str, found: &str| ShapeError::Malformed {
+            file: file.into(),
+            place: Location::Line(line as u64),
+            expected,
+            found: shown(&found.chars().take(80).collect::<String>()),
+        };
+        if !bytes.starts_with(b"NRRD000") {
+            return Err(malformed(1, "`NRRD0005`, as `hypertexture groom` writes it", "another format"));
+        }
+        let end = bytes.windows(2).position(|pair| pair == b"\n\n").unwrap_or_default();
+        let text = String::from_utf8_lossy(&bytes[..end]);
+        let mut found = Header { object: String::new(), side: 0, length: end + 2 };
+        let mut is_marked = false;
+        for (line, (name, value)) in
+            text.lines().enumerate().filter_map(|(number, line)| Some((number + 1, line.split_once(':')?)))
+        {
+            let must = |is: bool, expected| if is { Ok(()) } else { Err(malformed(line, expected, value)) };
+            let value = value.trim();
+            match name {
+                "type" => must(value == "short", "`type: short`")?,
+                "encoding" => must(value == "gzip", "`encoding: gzip`")?,
+                "endian" => must(value == "little", "`endian: little`")?,
+                "sizes" => {
+                    let sizes: Vec<u32> = value.split(' ').filter_map(|size| size.parse().ok()).collect();
+                    let is_cube = matches!(sizes[..], [8, a, b, c] if a == b && b == c && Groom::SIDES.contains(&a));
+                    must(is_cube, "`sizes: 8 n n n` with n from 32 to 256")?;
+                    found.side = sizes[1];
+                }
+                KEY => (found.object, is_marked) = (value.trim_start_matches('=').into(), true),
+                _ => {}
+            }
+        }
+        if found.side == 0 || !is_marked {
+            return Err(malformed(1, "a groom, which `hypertexture groom` and the window write", "another NRRD"));
+        }
+        Ok(found)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_groom_is_read_back_and_a_file_of_another_kind_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.nrrd");
+        let mut groom = Groom::unpainted("bunny.obj", 32);
+        let painted: Vec<usize> = groom.around(Vec3::new(0.5, 0.0, -0.2), 0.2).collect();
+        let expected =
+            (0..groom.voxels()).filter(|index| (groom.place(*index) - Vec3::new(0.5, 0.0, -0.2)).length() <= 0.2);
+        assert_eq!(painted, expected.collect::<Vec<_>>());
+        painted.iter().for_each(|index| groom.set(*index, [0.25, 3.0, 0.0, 0.5, 2.0, -2.0, 0.125, 1.0]));
+        let mut bytes = Vec::new();
+        groom.write(&mut bytes).unwrap();
+        std::fs::write(&path, &bytes).unwrap();
+        let read = Groom::read(&path).unwrap();
+        assert_eq!(read, groom);
+        assert_eq!(read.at(painted[0]), [0.25, 2.0, 0.0, 0.5, 2.0, -1.0, 0.125, 1.0]);
+        let text = String::from_utf8_lossy(&bytes).into_owned();
+        let end = text.find("\n\n").unwrap();
+        for (from, to, said) in [
+            ("8 32", "8 31", "line 5: expected `sizes: 8 n n n` with n from 32 to 256, found 8 31 32 32"),
+            ("short", "float", "line 3: expected `type: short`, found float"),
+            ("NRRD", "nrrd", "line 1: expected `NRRD0005`"),
+            (KEY, "other", "line 1: expected a groom"),
+        ] {
+            let header = text[..end].replacen(from, to, 1).into_bytes();
+            std::fs::write(&path, [&header, &bytes[end..]].concat()).unwrap();
+            let error = Groom::read(&path).unwrap_err().to_string();
+            assert!(error.contains(said), "{error}");
+        }
+        std::fs::write(&path, &bytes[..bytes.len() - 20]).unwrap();
+        assert!(Groom::read(&path).unwrap_err().to_string().contains("compressed data damaged"));
+    }
+}

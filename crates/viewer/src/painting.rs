@@ -1,0 +1,164 @@
+//! Painting of the groom: its versions, and the current stroke.
+//!
+//! Role: a stroke becomes a new file in the cache, which the scene names, so that undo, other processes and the next start have
+//! it. Invariant: the groom that a scene names is that of its file.
+
+use hypertexture::glam::Vec3;
+use hypertexture::render::Subject;
+use hypertexture::scene::Scene;
+use hypertexture::shape::{Brush, BrushKind, Groom};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::SystemTime;
+use support::{disk_cache, write_whole_by};
+
+/// Versions in memory; others are read from their files.
+const KEPT: usize = 8;
+/// Voxels along a side of a new groom.
+const SIDE: u32 = 96;
+/// Distance between touches of a stroke, in radii of the brush.
+const STEP: f32 = 0.25;
+/// Most touches between two frames. Higher: a fast stroke of a small brush stalls.
+const TOUCHES: f32 = 48.0;
+
+/// The brush, the versions of the groom and the current stroke.
+pub struct Painting {
+    /// Whether a drag paints.
+    pub is_on: bool,
+    /// The brush.
+    pub brush: Brush,
+    /// Versions by their files, the latest last.
+    kept: Vec<(String, Arc<Groom>)>,
+    stroke: Option<Stroke>,
+    /// The latest object with its groom.
+    latest: Option<(Arc<Subject>, Arc<Subject>)>,
+}
+
+struct Stroke {
+    groom: Arc<Groom>,
+    file: String,
+    touches: u64,
+    last: Vec3,
+}
+
+impl Default for Painting {
+    fn default() -> Painting {
+        let brush = Brush { kind: BrushKind::default(), radius: 0.15, strength: 0.3, color: [1.0; 3], mirrored: false };
+        Painting { is_on: false, brush, kept: Vec::new(), stroke: None, latest: None }
+    }
+}
+
+impl Painting {
+    /// The groom that a scene names.
+    fn groom(&mut self, scene: &Scene) -> Result<Option<Arc<Groom>>, String> {
+        let Some(file) = &scene.groom else { return Ok(None) };
+        if let Some(found) = self.kept.iter().position(|(known, _)| known == file) {
+            let last = self.kept.remove(found);
+            self.kept.push(last);
+        } else {
+            let groom = Groom::read(Path::new(file)).map_err(|error| error.to_string())?;
+            self.keep(file.clone(), Arc::new(groom));
+        }
+        Ok(self.kept.last().map(|(_, groom)| groom.clone()))
+    }
+
+    fn keep(&mut self, file: String, groom: Arc<Groom>) {
+        self.kept.push((file, groom));
+        if self.kept.len() > KEPT {
+            self.kept.remove(0);
+        }
+    }
+
+    /// The object of a scene with its groom, or with that of the stroke, of which the scene then names the last touch.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub(crate) fn on(&mut self, subject: Arc<Subject>, scene: &mut Scene) -> Result<Arc<Subject>, String> {
+        let groom = match &self.stroke {
+            Some(stroke) if scene.groom.as_ref() == Some(&stroke.file) => {
+                scene.groom = Some(format!("{}#{}", stroke.file, stroke.touches));
+                Some(stroke.groom.clone())
+            }
+            _ => self.groom(scene)?,
+        };
+        let Some(groom) = groom else { return Ok(subject) };
+        let same = |own: &Subject| own.groom.as_ref().is_some_and(|own| Arc::ptr_eq(own, &groom));
+        match &self.latest {
+            Some((base, own)) if Arc::ptr_eq(base, &subject) && same(own) => Ok(own.clone()),
+            _ => {
+                let own = Arc::new(Subject { groom: Some(groom), ..(*subject).clone() });
+                self.latest = Some((subject, own.clone()));
+                Ok(own)
+            }
+        }
+    }
+
+    /// Whether a stroke is being painted.
+    pub(crate) fn is_stroke(&self) -> bool {
+        self.stroke.is_some()
+    }
+
+    /// Begins a stroke at a place of the surface. Returns the file that the scene is to name.
+    ///
+    /// # Errors
+    /// The present groom cannot be read, or there is no cache.
+    pub(crate) fn begin(&mut self, scene: &Scene, at: Vec3, normal: Vec3) -> Result<String, String> {
+        let groom = self.groom(scene)?;
+        let groom = groom.unwrap_or_else(|| Arc::new(Groom::unpainted(&scene.object.input, SIDE)));
+        let file = new_file().ok_or("there is no cache folder for the groom; set HYPERTEXTURE_CACHE")?;
+        let file = file.display().to_string();
+        self.stroke = Some(Stroke { groom, file: file.clone(), touches: 0, last: at });
+        self.touch(at, normal, Vec3::ZERO);
+        Ok(file)
+    }
+
+    /// Continues a stroke to a place of the surface.
+    pub(crate) fn go(&mut self, at: Vec3, normal: Vec3) {
+        let Some(stroke) = &self.stroke else { return };
+        let (from, way) = (stroke.last, at - stroke.last);
+        let touches = (way.length() / (STEP * self.brush.radius)).floor().min(TOUCHES);
+        for touch in 1..=touches as u32 {
+            self.touch(from + way * (touch as f32 / touches), normal, way);
+        }
+    }
+
+    fn touch(&mut self, at: Vec3, normal: Vec3, motion: Vec3) {
+        let Some(stroke) = &mut self.stroke else { return };
+        self.brush.touch(Arc::make_mut(&mut stroke.groom), at, normal, motion);
+        (stroke.last, stroke.touches) = (at, stroke.touches + 1);
+    }
+
+    /// Drops the stroke.
+    pub(crate) fn cancel(&mut self) {
+        self.stroke = None;
+    }
+
+    /// Ends the stroke, and writes its file.
+    ///
+    /// # Errors
+    /// The file cannot be written; the groom stays in memory.
+    pub(crate) fn end(&mut self) -> Result<(), String> {
+        let Some(Stroke { groom, file, .. }) = self.stroke.take() else { return Ok(()) };
+        self.keep(file.clone(), groom.clone());
+        let path = Path::new(&file);
+        let folder = fs::create_dir_all(path.parent().unwrap_or(Path::new(".")));
+        let written = folder.and_then(|()| write_whole_by(path, |to| groom.write(to)));
+        written.map_err(|error| format!("{file}: {error}; the stroke is not kept"))
+    }
+}
+
+/// Whether a groom is a version in the cache, which saving copies beside the scene.
+pub(crate) fn is_version(file: &str) -> bool {
+    folder().is_some_and(|folder| Path::new(file).starts_with(folder))
+}
+
+fn folder() -> Option<PathBuf> {
+    Some(disk_cache::default_folder()?.join("grooms"))
+}
+
+/// A file name that no version has.
+fn new_file() -> Option<PathBuf> {
+    let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+    Some(folder()?.join(format!("{}.nrrd", now.as_nanos())))
+}

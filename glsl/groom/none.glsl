@@ -1,0 +1,3 @@
+// Nothing is painted: the statements that read a groom are left out.
+// Source: ours.
+#define groomed(code)
