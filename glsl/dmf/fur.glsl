@@ -16,6 +16,7 @@
 // @param hair_contrast = 1.667 in [1, 2]: How strongly the noise tells hair from gap; 1 is PH's.
 // @param hair_middle = 0.5 in [0, 1]: Where on a hair its noise is taken: 0 is its root, as PH do, 1 its tip.
 #include <noise>
+#include <wind>
 #include <project>
 #include "shaping.glsl"
 
@@ -23,7 +24,7 @@
 vec3 unbent(Sample s, float tip) {
     vec3 curl = noise_gradient(3.0 * s.x + 17.0).xyz * (0.5 * curliness * gain(0.8, tip));
     return s.x + vec3(0.0, droop * hair_length * tip * tip, 0.0) + curl
-        groomed(- hair_length * tip * tip * groom_direction(s.root));
+        groomed(- hair_length * tip * tip * groom_direction(s.root)) windy(- hair_length * tip * tip * wind(s.x));
 }
 
 float fur(float density, inout Sample s) {
@@ -34,7 +35,7 @@ float fur(float density, inout Sample s) {
     s.hair_normal = safe_normalize(straight - root, s.normal);
     float tip = clamp(1.0 - s.density, 0.0, 1.0);
     s.hair_tangent = safe_normalize(s.hair_normal - vec3(0.0, 2.0 * droop * tip, 0.0)
-        groomed(+ 2.0 * tip * groom_direction(s.root)), s.hair_normal);
+        groomed(+ 2.0 * tip * groom_direction(s.root)) windy(+ 2.0 * tip * wind(s.x)), s.hair_normal);
     groomed(s.root = root; s.hair_length *= clamp(groom_length(root), 0.1, 1.0);)
     // A hair is known by its middle, not by its root: all of the space around an edge or a speck has one root.
     vec3 middle = root + hair_middle * hair_length * s.hair_normal;

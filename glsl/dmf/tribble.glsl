@@ -12,6 +12,7 @@
 // @param curl_frequency = 4 in [0.2, 40]: Curls per object unit.
 // @param tribble_contrast = 1.667 in [1, 2]: How strongly the noise tells hair from gap; 1 is PH's.
 #include "vector_noise.glsl"
+#include <wind>
 #include "shaping.glsl"
 #include <project>
 
@@ -26,8 +27,10 @@ vec3 uncurled(inout Sample s) {
     vec3 bend = growth * curl + strength * tribble_curliness * curl_frequency * (slope * s.normal);
     s.hair_normal = s.normal;
     groomed(bend -= 2.0 * tip * groom_direction(s.root);)
+    windy(bend -= 2.0 * tip * wind(s.x);)
     s.hair_tangent = safe_normalize(s.normal - bend, s.normal);
-    return s.x + strength * curl groomed(- tribble_length * tip * tip * groom_direction(s.root));
+    return s.x + strength * curl groomed(- tribble_length * tip * tip * groom_direction(s.root))
+        windy(- tribble_length * tip * tip * wind(s.x));
 }
 
 float tribble(float density, inout Sample s) {

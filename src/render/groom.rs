@@ -2,7 +2,7 @@
 
 use crate::eval::{ExactError, Inputs, Invocations, Program};
 use crate::shader::Slots;
-use crate::shader::compile::{CompileError, Job, Limits, compile};
+use crate::shader::compile::{CompileError, Fault, Job, Limits, compile};
 use crate::shape::Groom;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -11,7 +11,7 @@ use std::path::Path;
 /// Voxels in a batch of a thread.
 const TOGETHER: usize = 4096;
 /// Entry file of the channels.
-const ENTRY: &str = "groom.frag";
+const ENTRY: &str = "groom/entry.glsl";
 
 /// A painted channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,7 +83,14 @@ pub fn fill_channel(program: &Path, groom: &mut Groom, channel: Channel, text: &
     let changed = BTreeMap::from([(ENTRY.to_string(), source)]);
     let entries = ["march.vert", ENTRY].map(String::from);
     let job = Job { changed, entries, slots: Slots::new(), is_optimized: true };
-    let [_, code] = compile(program, &job, &Limits::default(), &|| false)?;
+    let compiled = compile(program, &job, &Limits::default(), &|| false).map_err(|error| match error {
+        CompileError::Refused(text) => {
+            let first = Fault::all(&text).into_iter().next().map_or(text, |fault| fault.text);
+            CompileError::Refused(first.trim_start_matches("error: ").into())
+        }
+        other => other,
+    });
+    let [_, code] = compiled?;
     let (code, inputs) = (Program::read(&code, &[])?, Inputs::default());
     let bound = code.bind(&inputs)?;
     let indices: Vec<usize> = (0..groom.voxels()).collect();

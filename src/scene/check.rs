@@ -6,7 +6,7 @@ use super::schema::setting;
 use super::{Integration, Jitter, Object, Parameters, Pass, RayPath, Repeat, Scene, SceneError, Storage};
 use crate::shader::declare::Outside;
 use crate::shader::library::Library;
-use crate::shader::slots::FORMULA;
+use crate::shader::slots::{FORMULA, NONE};
 use crate::shader::{Declarations, Slots};
 use std::collections::BTreeMap;
 
@@ -155,6 +155,9 @@ impl Scene {
     fn check_groom(&self) -> Result<(), SceneError> {
         match &self.groom {
             Some(file) if self.has_several() => Err(SceneError::value("groom", file, "needs a scene of one object")),
+            _ if self.has_several() && self.effect.wind != NONE => {
+                Err(SceneError::value("effect.wind", &self.effect.wind, "needs a scene of one object"))
+            }
             _ => Ok(()),
         }
     }

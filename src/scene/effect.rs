@@ -38,6 +38,8 @@ settings! {
         bandlimit: String = "none".into() => Images, Kind::Module(Filled::ByScene);
         /// Normal for the lighting of soft matter: analytic, central or three.
         gradient: String = "analytic".into() => Images, Kind::Module(Filled::ByScene), flag("gradient");
+        /// Wind that bends fur: none or breeze.
+        wind: String = "none".into() => Images, Kind::Module(Filled::ByScene);
         /// Conversion of density to opacity.
         opacity: String = "perlin".into() => Images, Kind::Module(Filled::ByScene);
         /// The path of a ray through the object.
@@ -65,6 +67,7 @@ macro_rules! slots {
             ("turbulence", $($reference)+ $effect.turbulence),
             ("bandlimit", $($reference)+ $effect.bandlimit),
             ("gradient", $($reference)+ $effect.gradient),
+            ("wind", $($reference)+ $effect.wind),
             ("opacity", $($reference)+ $effect.opacity),
             ("index", $($reference)+ $effect.index),
             ("absorption", $($reference)+ $effect.absorption),
@@ -75,12 +78,12 @@ macro_rules! slots {
 
 impl Effect {
     /// The slots that take one module, with the module of each.
-    pub fn modules(&self) -> [(&'static str, &String); 14] {
+    pub fn modules(&self) -> [(&'static str, &String); 15] {
         slots!(self, &)
     }
 
     /// Those slots with mutable references to their modules.
-    pub fn modules_mut(&mut self) -> [(&'static str, &mut String); 14] {
+    pub fn modules_mut(&mut self) -> [(&'static str, &mut String); 15] {
         slots!(self, &mut)
     }
 

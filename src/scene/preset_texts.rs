@@ -14,7 +14,7 @@ macro_rules! shipped {
 const PRESETS: &[(&str, &str)] = shipped![
     "lit", "solid", "bump", "fur", "melting", "fire", "shells", "anatomy", "noisy_sphere", "high_frequency_sphere",
     "high_amplitude_sphere", "fractal_sphere", "dripping_sphere", "fire_ball", "furry_donut", "tribble",
-    "furry_teapot", "burning_head", "smoke", "clouds", "woven", "flow", "glow", "nebula", "eroded_cube", "weathered",
+    "furry_teapot", "coat", "burning_head", "smoke", "clouds", "woven", "flow", "glow", "nebula", "eroded_cube", "weathered",
     "tank", "burning_bush", "ensemble", "blue_glass", "wax",
 ];
 

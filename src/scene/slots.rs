@@ -2,7 +2,7 @@
 
 use super::header::header;
 use super::{Curve, EmptySpace, Integration, LightMethod, Pass, RayPath, Scene, Storage, TargetFormat};
-use crate::shader::slots::GROOM;
+use crate::shader::slots::{GROOM, NONE, WIND};
 use crate::shader::{Library, Slots};
 
 impl Scene {
@@ -80,6 +80,9 @@ impl Scene {
         slots.insert("medium".into(), effect.medium.split('+').map(|name| name.trim().to_string()).collect());
         slots.insert("warp".into(), effect.warp.clone());
         slots.insert("dmf".into(), effect.dmf.clone());
+        if effect.wind == NONE {
+            slots.remove(WIND);
+        }
         if self.groom.is_some() {
             slots.insert(GROOM.into(), vec!["volume".into()]);
         }

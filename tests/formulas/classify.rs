@@ -22,7 +22,7 @@ crate::rows! {
         "classify/post.glsl": "matter.rgb * alpha" => "matter.rgb";
     m05_pre_classification_interpolates_colors = pre,
         "classify/pre.glsl": "matter.rgb / matter.a" => "matter.rgb";
-    m02_shells_are_painted_and_cut = |l| preintegrated(l, &[("classify", "preintegrated"), ("groom", "volume")]),
+    shells_are_painted_and_cut = |l| preintegrated(l, &[("classify", "preintegrated"), ("groom", "volume")]),
         "classify/preintegrated.glsl": "groom_depth(s.density, s.root)" => "groom_depth(s.density, s.x)",
         "classify/preintegrated.glsl": "matter.a * groom_color(" => "groom_color(";
     m05_pre_integration_looks_up_both_ends = |l| preintegrated(l, &[("classify", "preintegrated")]),

@@ -34,7 +34,7 @@ crate::rows! {
         "dmf/settled.glsl": "s.normal.y" => "s.normal.z";
     p40_more_gain_forces_less_amplitude = |l| dmf(l, "traded", traded),
         "dmf/traded.glsl": "-log2(1.0 - trade_gain)" => "-log2(trade_gain)";
-    m02_it_burns_where_it_is_painted = |l| fire(l, &[("dmf", "fire"), ("groom", "volume")]),
+    it_burns_where_it_is_painted = |l| fire(l, &[("dmf", "fire"), ("groom", "volume")]),
         "dmf/fire.glsl": "away / clamp" => "away * clamp",
         "dmf/fire.glsl": "min(groom_density(foot), 1.0)" => "min(groom_density(s.x), 1.0)";
     m49_p30_fire_varies_with_height_and_rises = |l| fire(l, &[("dmf", "fire")]),

@@ -10,19 +10,19 @@ use hypertexture::eval::Wrap;
 use hypertexture::shader::Library;
 
 crate::rows! {
-    m02_a_groom_is_a_volume_over_the_object = channels,
+    a_groom_is_a_volume_over_the_object = channels,
         "groom/volume.glsl": "0.5 / GROOM_REACH" => "0.4",
         "groom/volume.glsl": "own * min(painted, 1.0)" => "own * painted",
         "groom/volume.glsl": "(1.0 - density) / clamp" => "(1.0 - density) * clamp";
-    m02_without_a_groom_nothing_is_read = |l| read(l, "none", 1.0),
+    without_a_groom_nothing_is_read = |l| read(l, "none", 1.0),
         "groom/none.glsl": "groomed(code)" => "groomed(code) code";
-    m02_the_root_of_a_place_is_its_foot = |l| read(l, "volume", 0.0),
+    the_root_of_a_place_is_its_foot = |l| read(l, "volume", 0.0),
         "sample.glsl": "s.root = x - (" => "s.root = x + (";
-    m02_a_lit_surface_is_painted = |l| colored(l, "lit", |at| phong(at, painted_color(at, surface::material(at)), at.place(1))),
+    a_lit_surface_is_painted = |l| colored(l, "lit", |at| phong(at, painted_color(at, surface::material(at)), at.place(1))),
         "surface/lit.glsl": "groom_color(own, s.root)" => "groom_color(own, s.normal)";
-    m02_a_solid_texture_is_painted = |l| colored(l, "solid", |at| phong(at, painted_color(at, surface::marble(at)), at.place(1))),
+    a_solid_texture_is_painted = |l| colored(l, "solid", |at| phong(at, painted_color(at, surface::marble(at)), at.place(1))),
         "surface/solid.glsl": "groom_color(own, s.root)" => "groom_color(own, s.normal)";
-    m02_a_bumpy_surface_is_painted = |l| colored(l, "bump", |at| lit(at, painted_color(at, surface::material(at)), surface::bump_normal(at))),
+    a_bumpy_surface_is_painted = |l| colored(l, "bump", |at| lit(at, painted_color(at, surface::material(at)), surface::bump_normal(at))),
         "surface/bump.glsl": "groom_color(own, s.root)" => "groom_color(own, s.normal)";
     m53_it_melts_as_far_as_is_painted = melting,
         "warp/melting.glsl": "amplitude *= min" => "amplitude += min",

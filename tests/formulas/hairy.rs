@@ -17,13 +17,23 @@ crate::rows! {
         "dmf/fur.glsl": "s.hair_normal - vec3(0.0, 2.0 * droop" => "s.hair_normal + vec3(0.0, 2.0 * droop",
         "dmf/fur.glsl": "= unevenness * clamp" => "= -unevenness * clamp",
         "dmf/fur.glsl": "s.hair_length = hair_length" => "s.hair_length = 0.2";
-    m02_fur_is_cut_thinned_and_combed = |l| hairs(l, &[("dmf", "fur"), ("groom", "volume")], fur),
+    fur_is_cut_thinned_and_combed = |l| hairs(l, &[("dmf", "fur"), ("groom", "volume")], fur),
         "dmf/fur.glsl": "groomed(- hair_length" => "groomed(+ hair_length",
         "dmf/fur.glsl": "groomed(+ 2.0 * tip" => "groomed(- 2.0 * tip",
         "dmf/fur.glsl": "groom_length(root) * (1.0 - shorter)" => "groom_length(s.x) * (1.0 - shorter)",
         "dmf/fur.glsl": "groom_density(root) - 1.0" => "1.0 - groom_density(root)",
         "dmf/fur.glsl": "clamp(groom_length(root), 0.1" => "clamp(groom_length(root), 0.9";
-    m02_tribble_is_cut_thinned_and_combed = |l| hairs(l, &[("dmf", "tribble"), ("groom", "volume")], tribble),
+    fur_bends_in_the_wind = |l| hairs(l, &[("dmf", "fur"), ("wind", "breeze")], fur),
+        "dmf/fur.glsl": "windy(- hair_length" => "windy(+ hair_length",
+        "dmf/fur.glsl": "windy(+ 2.0" => "windy(- 2.0",
+        "wind/breeze.glsl": "0.0, -sin(radians" => "0.0, sin(radians",
+        "wind/breeze.glsl": "- 2.0 * turns" => "- turns";
+    tribble_bends_in_the_wind = |l| hairs(l, &[("dmf", "tribble"), ("wind", "breeze")], tribble),
+        "dmf/tribble.glsl": "windy(- tribble_length" => "windy(+ tribble_length",
+        "dmf/tribble.glsl": "windy(bend -=" => "windy(bend +=";
+    without_wind_nothing_is_bent = |l| hairs(l, &[("dmf", "fur")], fur),
+        "wind/none.glsl": "windy(code)" => "windy(code) * 2.0";
+    tribble_is_cut_thinned_and_combed = |l| hairs(l, &[("dmf", "tribble"), ("groom", "volume")], tribble),
         "dmf/tribble.glsl": "groomed(- tribble_length" => "groomed(+ tribble_length",
         "dmf/tribble.glsl": "bend -= 2.0" => "bend += 2.0",
         "dmf/tribble.glsl": "groom_depth(density, root)" => "density",
@@ -33,15 +43,15 @@ crate::rows! {
         "dmf/tribble.glsl": "gain(0.9, bias(0.3" => "gain(0.3, bias(0.9",
         "dmf/tribble.glsl": "s.normal - bend" => "s.normal + bend",
         "dmf/tribble.glsl": "s.hair_length = tribble_length" => "s.hair_length = 0.2";
-    m02_hair_is_painted = |l| hair(l, &[("medium", "hair"), ("groom", "volume")]),
+    hair_is_painted = |l| hair(l, &[("medium", "hair"), ("groom", "volume")]),
         "medium/hair.glsl": "groom_color(base, s.root)" => "groom_color(base, s.x)";
     p56_hair_is_lit_as_a_thin_cylinder = |l| hair(l, &[("medium", "hair")]),
         "medium/hair.glsl": "sin_tl * sin_tv - tl * tv" => "tl * tv + sin_tl * sin_tv",
         "medium/hair.glsl": "lit * sin_tl" => "lit * tl",
         "medium/hair.glsl": "0.2 / max(s.hair_length, 0.005)" => "1.0";
-    m02_cloth_is_worn_where_it_is_thin = |l| cloth(l, &GROOMED, false),
+    cloth_is_worn_where_it_is_thin = |l| cloth(l, &GROOMED, false),
         "dmf/woven.glsl": "1.0 - groom_density(s.root)" => "groom_density(s.root)";
-    m02_cloth_is_painted = |l| cloth(l, &GROOMED, true),
+    cloth_is_painted = |l| cloth(l, &GROOMED, true),
         "medium/cloth.glsl": "groom_color(base, s.root)" => "groom_color(base, s.x)";
     p58_woven_threads_go_over_and_under = |l| cloth(l, &GROOMED[..2], false),
         "dmf/woven.glsl": "0.5 - 0.25 * parity_v" => "0.5 + 0.25 * parity_v",
@@ -95,6 +105,25 @@ fn strand(of: DVec3, frequency: f64, contrast: f64, [b, g]: [f64; 2], groom: &Pa
     gain(g, bias(b, (contrast * noise(place(frequency * of)).v + groom.density) / 2.0))
 }
 
+/// Three waves of gusts, which pass once, twice and three times in a period; 0 in programs without wind.
+fn wind(at: &At<'_>, x: DVec3) -> DVec3 {
+    if !at.declares("wind_strength") {
+        return DVec3::ZERO;
+    }
+    let heading = at.number("wind_heading").to_radians();
+    let ahead = DVec3::new(heading.cos(), 0.0, -heading.sin());
+    let aside = DVec3::new(heading.sin(), 0.0, heading.cos());
+    let (size, turns) = (at.number("gust_size"), (at.number("time") / at.number("wind_period")).rem_euclid(1.0));
+    let (along, across) = (x.dot(ahead) / size, (x.dot(aside) + c(0.4) * x.y) / size);
+    let wave = |phase: f64| (c(std::f64::consts::TAU) * phase).sin();
+    let once = wave(along - turns);
+    let twice = wave(c(1.7) * along + c(0.9) * across - 2.0 * turns + c(0.16));
+    let thrice = wave(c(2.9) * along - c(1.3) * across - 3.0 * turns + c(0.32));
+    let gust = c(0.6) + c(0.2) * once + c(0.12) * twice + c(0.08) * thrice;
+    let sway = c(0.2) * twice + c(0.12) * thrice + c(0.08) * once;
+    at.number("wind_strength") * (gust * ahead + sway * aside)
+}
+
 /// PH 2.4: f = gain.9(bias.3(noise(freq project(x)))) D(x), of a hair that has been bent by gravity and curled, that is
 /// known by its middle, and that is shorter than others by a noise of its own.
 fn fur(at: &At<'_>) -> (f64, DVec3, DVec3, f64) {
@@ -102,7 +131,7 @@ fn fur(at: &At<'_>) -> (f64, DVec3, DVec3, f64) {
     let tip = 1.0 - d;
     let curl = noise(moved(scaled(place(x), 3.0), DVec3::splat(17.0))).d / 3.0;
     let curled = at.number("curliness") / 2.0 * gain(c(0.8), tip) * curl;
-    let comb = painted(at, project(at, x)).direction;
+    let comb = painted(at, project(at, x)).direction + wind(at, x);
     let straight = x + curled + (DVec3::Y * at.number("droop") - comb) * length * tip.powi(2);
     let root = project(at, straight);
     let normal = (straight - root).normalize();
@@ -124,7 +153,7 @@ fn tribble(at: &At<'_>) -> (f64, DVec3, DVec3, f64) {
     let (tip, frequency, curliness) = (1.0 - d, at.number("curl_frequency"), at.number("tribble_curliness"));
     let curl: Place = vector_noise(scaled(place(x), frequency));
     let curled = |strength: f64| curliness * strength * value(curl);
-    let (comb, length) = (painted(at, project(at, x)).direction, at.number("tribble_length"));
+    let (comb, length) = (painted(at, project(at, x)).direction + wind(at, x), at.number("tribble_length"));
     let there = x + curled(gain(c(0.8), tip)) - comb * length * tip.powi(2);
     // Along its normal a hair has moved by the derivative of x' - x: of its strength, over a tenth of its length, and of
     // the noise.

@@ -112,6 +112,11 @@ impl Setting {
         Setting { index: 0, parameters, fixed: BTreeMap::new(), repeats: false }
     }
 
+    /// Whether a parameter of this name is declared.
+    pub fn declares(&self, name: &str) -> bool {
+        self.parameters.iter().any(|own| own.name == name)
+    }
+
     pub fn numbered(self, index: u64) -> Setting {
         Setting { index, ..self }
     }

@@ -22,6 +22,7 @@ mod extremes;
 mod figures;
 mod functions;
 mod gradients;
+mod groom;
 mod half_angle;
 mod ignored;
 mod neutral;

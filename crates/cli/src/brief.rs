@@ -4,7 +4,7 @@ use super::args::Arguments;
 use clap::{Arg, ArgAction, Command, CommandFactory, FromArgMatches};
 
 /// Flags in the short help of each command, and examples.
-const BRIEF: [(&str, &[&str], [&str; 2]); 19] = [
+const BRIEF: [(&str, &[&str], [&str; 2]); 20] = [
     (
         "render",
         &[
@@ -48,6 +48,11 @@ const BRIEF: [(&str, &[&str], [&str; 2]); 19] = [
         &["output", "grid", "half", "frames", "json", "effect", "set", "dmf", "iso", "resolution"],
         ["volume fire_ball -o fire.vdb", "volume teapot --effect fire --half --frames 1..48 -o fire_####.vdb"],
     ),
+    (
+        "groom",
+        &["output", "length", "density", "color", "direction", "side"],
+        ["groom torus --length 'y > 0.1 ? 0.3 : 1.0'", "groom teapot --color 'vec3(2.0 * p.y, 1.0, 1.0)' -o red.nrrd"],
+    ),
     ("gallery", &["output", "size", "samples"], ["gallery -o out", "gallery teapot -o out"]),
     (
         "compare",
@@ -83,7 +88,7 @@ const BRIEF: [(&str, &[&str], [&str; 2]); 19] = [
     ("man", &[], ["man | man -l -", "man render > hypertexture-render.1"]),
 ];
 /// Help of the program, with fewer blank lines than clap's.
-const TEMPLATE: &str = "{about}\n{usage-heading} {usage}\nCommands:\n{subcommands}\nOptions:\n{options}{after-help}";
+const TEMPLATE: &str = "{about}\n{usage-heading} {usage}\n{subcommands}\nOptions:\n{options}{after-help}";
 /// Examples of the program.
 const FIRST: [&str; 2] = ["render teapot --effect fur -o fur.png", "view fire_ball"];
 

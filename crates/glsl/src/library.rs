@@ -7,7 +7,7 @@ use super::file::{File, Include, include};
 use super::names::{definitions, members, rename};
 use super::reach::Reach;
 use super::slots::{
-    FOLDED, FORMULA, GROOM, MASK, MEDIUM, MEDIUM_FUNCTIONS, OBJECT_ENTRY, OBJECTS, PARAMETERS, PART, Slots, UNPAINTED,
+    FOLDED, FORMULA, MASK, MEDIUM, MEDIUM_FUNCTIONS, NONE, OBJECT_ENTRY, OBJECTS, OPTIONAL, PARAMETERS, PART, Slots,
     objects, qualified,
 };
 use std::borrow::Cow;
@@ -333,8 +333,8 @@ impl Library {
                     Some(Include::Slot(slot)) => {
                         let own = choice.get(&format!("{object}.{slot}"));
                         let Some(names) = own.or(choice.get(slot)) else {
-                            if slot == GROOM {
-                                queue.push(format!("{GROOM}/{UNPAINTED}.glsl"));
+                            if OPTIONAL.contains(&slot) {
+                                queue.push(format!("{slot}/{NONE}.glsl"));
                                 continue;
                             }
                             if self.modules(slot).is_empty() {

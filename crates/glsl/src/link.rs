@@ -17,7 +17,7 @@ use super::library::Library;
 use super::names::members;
 use super::rounding::with_exact_rounding;
 use super::slots::{
-    FOLDED, FORMULA, GROOM, MAIN, MEDIUM, OBJECT_ENTRY, OBJECTS, PARAMETERS, PART, Slots, UNPAINTED, qualified,
+    FOLDED, FORMULA, MAIN, MEDIUM, NONE, OBJECT_ENTRY, OBJECTS, OPTIONAL, PARAMETERS, PART, Slots, qualified,
 };
 use super::stage::Stage;
 use std::cell::RefCell;
@@ -161,7 +161,7 @@ fn fill(library: &Library, slot: &str, names: &[String]) -> Result<(String, Stri
         return media(library, names);
     }
     let Some((_, signature, call, end)) = STACKS.iter().find(|stack| stack.0 == slot) else {
-        let otherwise = if slot == GROOM { UNPAINTED } else { "" };
+        let otherwise = if OPTIONAL.contains(&slot) { NONE } else { "" };
         let path = library.path(slot, names.first().map_or(otherwise, String::as_str))?;
         let text = library.text(&path).into_owned();
         return Ok((path, text));

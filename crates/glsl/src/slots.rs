@@ -22,10 +22,14 @@ pub const FOLDED: &str = "zero";
 pub const PART: &str = "part.glsl";
 /// Slot of the masks, which limit where a DMF acts.
 pub const MASK: &str = "mask";
-/// Slot of the groom; a choice without it has the module [`UNPAINTED`].
+/// Slot of the groom.
 pub const GROOM: &str = "groom";
-/// Module of that slot by which nothing is painted.
-pub const UNPAINTED: &str = "none";
+/// Slot of the wind.
+pub const WIND: &str = "wind";
+/// Slots that a choice may leave out; they then have the module [`NONE`], which adds no line to a program.
+pub const OPTIONAL: [&str; 2] = [GROOM, WIND];
+/// Module of an optional slot without effect.
+pub const NONE: &str = "none";
 /// Slot that colors soft matter.
 pub const MEDIUM: &str = "medium";
 /// Functions of a medium: its color, and optionally its extinction relative to the scene's rate.

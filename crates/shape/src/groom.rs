@@ -174,13 +174,15 @@ impl Header {
         }
         let end = bytes.windows(2).position(|pair| pair == b"\n\n").unwrap_or_default();
         let text = String::from_utf8_lossy(&bytes[..end]);
+        if !text.contains(KEY) {
+            return Err(malformed(1, "a groom, which `hypertexture groom` and the window write", "another NRRD"));
+        }
         let mut found = Header { object: String::new(), side: 0, length: end + 2 };
-        let mut is_marked = false;
         for (line, (name, value)) in
             text.lines().enumerate().filter_map(|(number, line)| Some((number + 1, line.split_once(':')?)))
         {
-            let must = |is: bool, expected| if is { Ok(()) } else { Err(malformed(line, expected, value)) };
             let value = value.trim();
+            let must = |is: bool, expected| if is { Ok(()) } else { Err(malformed(line, expected, value)) };
             match name {
                 "type" => must(value == "short", "`type: short`")?,
                 "encoding" => must(value == "gzip", "`encoding: gzip`")?,
@@ -191,12 +193,12 @@ impl Header {
                     must(is_cube, "`sizes: 8 n n n` with n from 32 to 256")?;
                     found.side = sizes[1];
                 }
-                KEY => (found.object, is_marked) = (value.trim_start_matches('=').into(), true),
+                KEY => found.object = value.trim_start_matches('=').into(),
                 _ => {}
             }
         }
-        if found.side == 0 || !is_marked {
-            return Err(malformed(1, "a groom, which `hypertexture groom` and the window write", "another NRRD"));
+        if found.side == 0 {
+            return Err(malformed(1, "a line `sizes: 8 n n n`", "none"));
         }
         Ok(found)
     }
