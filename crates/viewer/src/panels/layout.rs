@@ -5,8 +5,8 @@ use super::dialogs::{self, Question};
 use super::request::Request;
 use super::status::Status;
 use super::{
-    accuracy, bookmarks, camera, editor, effect, file_info, finals, groom, keyframes, messages, object, parameters, presets,
-    settings, status_bar, theme, timeline, toolbar, transfer, widgets,
+    accuracy, bookmarks, camera, editor, effect, file_info, finals, groom, keyframes, messages, object, parameters,
+    presets, settings, status_bar, theme, timeline, toolbar, transfer, widgets,
 };
 use crate::author::Author;
 use crate::message::Message;
