@@ -22,7 +22,9 @@ mod volume;
 pub use camera::{ViewPose, half_height};
 pub use cells::{CellStats, LOOKED_UP, bounded, link as link_cells};
 pub use custom_modules::{FINITE, ModuleFault, try_custom_modules};
-pub use density::{Along, PolygonizeError, Polygons, densities, density_along, polygonize, polygonize_with_looks};
+pub use density::{
+    Along, PolygonizeError, Polygons, densities, density_along, polygonize, polygonize_with_looks, samples_along,
+};
 pub use error::RenderError;
 pub use explain::{
     describe_frame, loop_note, octaves_held, same_pictures, unused_overrides, unused_settings, warnings,

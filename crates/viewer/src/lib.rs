@@ -24,6 +24,7 @@ mod input_latency;
 #[doc(hidden)] // for the tests of this crate
 pub mod inspect;
 mod keys;
+mod lesson;
 mod load;
 mod mean;
 #[doc(hidden)] // for the tests of this crate

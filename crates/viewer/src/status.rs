@@ -1,5 +1,14 @@
 //! Status of the picture.
 
+/// Costs of the scene's own picture of a variant.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Cost {
+    /// Time on the device, milliseconds.
+    pub(crate) ms: f64,
+    /// Root mean square error against the mean, linear light, once that has enough sub-frames.
+    pub(crate) rmse: Option<f64>,
+}
+
 /// Stage of the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Stage {
@@ -43,6 +52,8 @@ pub(super) struct Figures {
     pub(super) standard_error: Option<f64>,
     /// Root mean square difference of two equally sampled variants.
     pub(super) difference: Option<f64>,
+    /// Costs of the own pictures of the variants.
+    pub(super) costs: Vec<Cost>,
     /// Times of the last previews, the newest last, milliseconds.
     pub(super) recent_ms: Vec<f64>,
     /// Legend of the validity colors.

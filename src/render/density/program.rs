@@ -11,7 +11,7 @@ use crate::render::error::RenderError;
 use crate::render::inputs::CpuInputs;
 use crate::render::subject::Subject;
 use crate::render::variant::{Checkable, OCTAVES_ID, Purpose, Variant, as_density};
-use crate::scene::Projection;
+use crate::scene::{Projection, Scene};
 use crate::shader::{Library, Linker};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -147,6 +147,60 @@ pub struct Along {
 /// Tolerance for constants of noise in f32, which bounds and f64 round differently.
 const ROUNDED: f64 = 1e-6;
 
+/// The line of sight through the middle of a pixel, in object space.
+struct Sight {
+    from: DVec3,
+    /// Direction; one of it is a depth of 1 along the axis of view.
+    along: DVec3,
+    /// Its length in eye space.
+    unit: f64,
+    /// Depths at which it enters and leaves the box around the soft region.
+    enters: f64,
+    leaves: f64,
+}
+
+impl Sight {
+    /// `None` where it misses the box.
+    fn of(scene: &Scene, view: &View, pixel: [u32; 2]) -> Option<Sight> {
+        let ndc = [0, 1].map(|axis| {
+            let side = f64::from(scene.image.size[axis]);
+            (2.0 * f64::from(pixel[axis]) + 1.0) / side - 1.0 - f64::from(view.pan[axis])
+        });
+        let across = DVec3::new(ndc[0] * f64::from(view.ray_scale[0]), -ndc[1] * f64::from(view.ray_scale[1]), 0.0);
+        let [from, to] = match scene.camera.projection {
+            Projection::Perspective => [DVec3::ZERO, across - DVec3::Z],
+            Projection::Parallel => [across, across - DVec3::Z],
+        };
+        let unit = from.distance(to);
+        let [from, to] = [from, to].map(|place| view.texture_matrix.as_dmat4().transform_point3(place));
+        let along = to - from;
+        let (low, high) = (view.box_min.as_dvec3(), view.box_max.as_dvec3());
+        let (a, b) = ((low - from) / along, (high - from) / along);
+        let (enters, leaves) = (a.min(b).max_element().max(0.0), a.max(b).min_element());
+        (enters < leaves).then_some(Sight { from, along, unit, enters, leaves })
+    }
+}
+
+/// Distances from the origin of a pixel's ray to its samples within the box around the soft region, object units: those of
+/// slices and of rays without jitter, in [`density_along`]'s unit. Empty for half-angle slices, which have another axis.
+///
+/// # Errors
+/// The scene is not valid.
+pub fn samples_along(
+    library: &Library,
+    scene: &impl Checkable,
+    subject: &Subject,
+    pixel: [u32; 2],
+) -> Result<Vec<f64>, PolygonizeError> {
+    let checked = scene.checked(library)?;
+    let view = View::of(&checked, subject);
+    let (scene, sight) = (&checked.scene, Sight::of(&checked.scene, &view, pixel));
+    let Some(sight) = sight.filter(|_| !scene.is_half_angle()) else { return Ok(Vec::new()) };
+    let planes = view.planes(scene.quality.samples);
+    let depths = (0..planes.count).map(|plane| f64::from(planes.depth(plane)));
+    Ok(depths.filter(|depth| (sight.enters..=sight.leaves).contains(depth)).map(|depth| depth * sight.unit).collect())
+}
+
 /// The density of a scene at its first moment along the ray through the middle of a pixel: at `places` equal distances from
 /// where the ray enters the box around the soft region to where it leaves it, and bounds between them, in which noise is taken
 /// to about 1e-6. Empty where the ray misses the box. Of a ray that bends, it is the straight one.
@@ -162,25 +216,10 @@ pub fn density_along(
 ) -> Result<Vec<Along>, PolygonizeError> {
     let checked = scene.checked(library)?;
     let program = DensityProgram::of(library, &checked, subject)?;
-    let (scene, view) = (&checked.scene, &program.view);
-    let ndc = [0, 1].map(|axis| {
-        let side = f64::from(scene.image.size[axis]);
-        (2.0 * f64::from(pixel[axis]) + 1.0) / side - 1.0 - f64::from(view.pan[axis])
-    });
-    let across = DVec3::new(ndc[0] * f64::from(view.ray_scale[0]), -ndc[1] * f64::from(view.ray_scale[1]), 0.0);
-    let [from, to] = match scene.camera.projection {
-        Projection::Perspective => [DVec3::ZERO, across - DVec3::Z],
-        Projection::Parallel => [across, across - DVec3::Z],
-    };
-    let unit = from.distance(to);
-    let [from, to] = [from, to].map(|place| view.texture_matrix.as_dmat4().transform_point3(place));
-    let along = to - from;
-    let (low, high) = (view.box_min.as_dvec3(), view.box_max.as_dvec3());
-    let (a, b) = ((low - from) / along, (high - from) / along);
-    let (enters, leaves) = (a.min(b).max_element().max(0.0), a.max(b).min_element());
-    if enters >= leaves || enters.is_nan() || leaves.is_nan() {
+    let scene = &checked.scene;
+    let Some(Sight { from, along, unit, enters, leaves }) = Sight::of(scene, &program.view, pixel) else {
         return Ok(Vec::new());
-    }
+    };
     let step = (leaves - enters) / places.saturating_sub(1).max(1) as f64;
     let depths: Vec<f64> = (0..places).map(|index| enters + index as f64 * step).collect();
     let all: Vec<DVec3> = depths.iter().map(|depth| from + along * *depth).collect();

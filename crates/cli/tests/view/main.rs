@@ -119,6 +119,27 @@ fn a_screenshot_is_the_picture_that_render_makes() {
 
 #[test]
 #[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
+fn a_lesson_measures_turbulence_and_leaves_a_scene_that_can_be_saved() {
+    let display = Display::new();
+    let folder = tempfile::tempdir().unwrap();
+    let saved = folder.path().join("lesson.toml");
+    let script = format!(
+        "wait picture\nkey L\nframes 2\nclick lesson.held\nset lesson.count 12\nwait converged\nclick lesson.density\n\
+         frames 3\nclick lesson.add biased\nclick lesson.turbulence\nframes 2\nset lesson.octaves 3\nwait drawn\nclick lesson.measure\n\
+         frames 2\nwait idle\nframes 2\nclick lesson.use channels\nclick File\nframes 2\n\
+         write file.scene {}\nclick file.save\nquit\n",
+        saved.display()
+    );
+    let scene = ["sphere", "--effect", "fire", "--size", "96x64", "--window", "1200x900", "--supersampling", "4"];
+    play(&display, folder.path(), &scene, &script);
+    let scene = scene::load(&saved, Reach::Anywhere).unwrap();
+    let (quality, effect) = (&scene.quality, &scene.effect);
+    assert_eq!((quality.samples, quality.supersampling, effect.octaves), (12, 1, 3));
+    assert_eq!((effect.turbulence.as_str(), effect.dmf.last().map(String::as_str)), ("channels", Some("biased")));
+}
+
+#[test]
+#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
 fn it_resizes_hides_comes_back_and_follows_mouse_keys_and_files() {
     let display = Display::new();
     let folder = tempfile::tempdir().unwrap();

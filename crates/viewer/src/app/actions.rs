@@ -54,6 +54,7 @@ impl App {
                 self.model.end_undo_group();
             }
             Action::Look => self.comparison.view.next(),
+            Action::Lesson => self.lesson.is_open ^= true,
             Action::Inspect => self.inspect_under_pointer(),
             Action::Worst => self.jump_to_worst(),
             Action::Undo => drop(self.model.undo()),
@@ -106,6 +107,7 @@ impl App {
                 }
             }
             Request::Playback(playback) => self.time.playback = playback,
+            Request::Lesson(open) => self.lesson.is_open = open,
             Request::Level(level) => self.navigation.level = level,
             Request::MaxError(error) => {
                 (self.max_error, self.search.pick) = (error, error);

@@ -40,6 +40,14 @@ impl App {
         }
     }
 
+    /// Shows the lesson, about the ray under the pointer, or else of the inspected or the central pixel.
+    pub(super) fn teach(&mut self, ui: &Ui) {
+        let pointer = self.navigation.pointer.and_then(|at| self.pixel_at(at));
+        let pixel = pointer.or(self.inspector.pixel()).or_else(|| self.pixel_at(self.place.center()));
+        let job = self.jobs.submitted.as_ref().and_then(|job| Some((job, pixel?)));
+        self.lesson.show(ui, self.place, &mut self.model, job, &self.notify);
+    }
+
     /// Shows the inspector.
     pub(super) fn inspect(&mut self, ui: &Ui) {
         let job = self.jobs.submitted.as_ref().filter(|_| self.loader.progress().is_none());

@@ -2,6 +2,7 @@
 
 use super::state::App;
 use crate::keys::{self, Action};
+use crate::status::Cost;
 use egui::{Align2, Area, Color32, Frame, Id, ProgressBar, RichText, Sense, Ui, Vec2};
 use hypertexture::scene::Scene;
 use std::collections::BTreeMap;
@@ -11,10 +12,15 @@ impl App {
     pub(super) fn show_over(&mut self, ui: &mut Ui) {
         let place = self.place;
         if let Some((kept, _)) = &self.comparison.pinned {
-            let titles = titles(self.model.scene(), kept);
+            let mut titles = titles(self.model.scene(), kept);
+            for (title, Cost { ms, rmse }) in titles.iter_mut().zip(&self.figures.costs) {
+                let rmse = rmse.map_or(String::new(), |rmse| format!(", RMSE {rmse:.1e}"));
+                title.push_str(&format!(" \u{2013} {ms:.0} ms{rmse}"));
+            }
             self.comparison.view.show(ui, place, &titles, self.figures.difference);
         }
         self.inspect(ui);
+        self.teach(ui);
         self.show_light(ui);
         self.show_brush(ui);
         let dark = Frame::popup(ui.style());
@@ -76,6 +82,7 @@ impl App {
                 Action::Inertia => Some(self.navigation.inertia),
                 Action::Level => Some(self.navigation.level),
                 Action::Inspect => Some(self.inspector.is_open()),
+                Action::Lesson => Some(self.lesson.is_open),
                 Action::FullScreen => Some(self.full_screen),
                 Action::Record => Some(self.panels.finals.frames().is_some()),
                 _ => None,

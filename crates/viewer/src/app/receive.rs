@@ -27,7 +27,7 @@ impl App {
                     (figures.stage, figures.size, figures.samples) = (picture.stage, picture.size, picture.samples);
                     (figures.gpu_ms, figures.difference) = (picture.gpu_ms, picture.difference);
                     (figures.error, figures.standard_error) = (picture.error, picture.standard_error);
-                    figures.validity = picture.validity;
+                    (figures.validity, figures.costs) = (picture.validity, picture.costs);
                     if picture.stage == Stage::Coarse {
                         figures.ignored.clear();
                         figures.recent_ms.push(picture.gpu_ms);
@@ -76,6 +76,7 @@ impl App {
             error: error.map(|error| [error, standard_error.unwrap_or(error)]),
             picture: match self.jobs.lacks_object {
                 true => "preview: the object is not loaded yet".into(),
+                false if self.lesson.is_held() && self.figures.stage == Stage::Scene => "\u{1f4cc} as drawn".into(),
                 false => self.figures.words(self.max_error.unwrap_or(GOOD)),
             },
             detail: format!("{} x {} pixels, {samples} samples", size[0], size[1]),
@@ -96,6 +97,7 @@ impl App {
             densities: self.densities.poll(),
             time: self.time.clock,
             playback: self.time.playback,
+            lesson: self.lesson.is_open,
             level: self.navigation.level,
         }
     }

@@ -6,6 +6,7 @@ use crate::background::Notify;
 use crate::compare::Comparison;
 use crate::densities::Densities;
 use crate::inspect::Inspector;
+use crate::lesson::Lesson;
 use crate::load::Loader;
 use crate::message::Message;
 use crate::model::Model;
@@ -71,6 +72,7 @@ pub(crate) struct App {
     pub(super) time: Time,
     pub(super) comparison: Compared,
     pub(crate) inspector: Inspector,
+    pub(crate) lesson: Lesson,
     /// Error target of the pictures.
     pub(super) max_error: Option<f64>,
     /// Whether pixels are colored by their validity.
@@ -226,6 +228,7 @@ impl App {
             time: Time { clock: start.play.then_some(camera.time), playback, last_frame: now },
             comparison: Compared::default(),
             inspector: Inspector::default(),
+            lesson: Lesson::default(),
             max_error: start.max_error,
             validity: false,
             densities: Densities::default(),
@@ -251,6 +254,7 @@ impl App {
         let gate = self.panels.author.gate().clone();
         gate.try_on(&info.name);
         self.worker = Some(Worker::start(gpu.clone(), gate, self.figures.budget_ms, self.notify.clone()));
+        self.lesson.use_device(Some(gpu));
         self.screen.forget();
         (self.jobs.submitted, self.lost, self.figures.picking) = (None, false, None);
     }
@@ -258,6 +262,7 @@ impl App {
     /// Drops everything that holds the device.
     pub(crate) fn leave_device(&mut self) {
         self.worker = None;
+        self.lesson.use_device(None);
         self.screen.leave_device();
     }
 
@@ -299,9 +304,9 @@ impl App {
         !self.jobs.lacks_object && self.jobs.since > 0 && self.jobs.on_screen >= self.jobs.since
     }
 
-    /// Whether neither a search runs nor a final picture is rendered.
+    /// Whether no search, final picture or measurement is running.
     pub(crate) fn is_idle(&self) -> bool {
-        self.figures.picking.is_none() && self.panels.finals.running.is_none()
+        self.figures.picking.is_none() && self.panels.finals.running.is_none() && !self.lesson.is_measuring()
     }
 
     /// Name and progress of the object that is being loaded.

@@ -105,8 +105,10 @@ impl App {
         // A stand-in for an object is only good for previews.
         let moving = busy || lacks || now.duration_since(self.jobs.changed) < REST;
         let max_error = self.max_error.unwrap_or(GOOD);
-        let validity = self.validity;
-        let asks_the_same = |job: &Job| (job.max_error.to_bits(), job.validity) == (max_error.to_bits(), validity);
+        // Times are measured while nothing else uses the device.
+        let (validity, held) = (self.validity, self.lesson.is_held() || self.lesson.is_measuring());
+        let asks_the_same =
+            |job: &Job| (job.max_error.to_bits(), job.validity, job.held) == (max_error.to_bits(), validity, held);
         let is_other = changed || !self.jobs.submitted.as_ref().is_some_and(asks_the_same);
         if is_other || self.jobs.submitted.as_ref().is_some_and(|job| job.moving != moving) {
             self.jobs.number += 1;
@@ -114,7 +116,7 @@ impl App {
                 self.jobs.since = self.jobs.number;
             }
             let (number, focus) = (self.jobs.number, self.focus());
-            let job = Job { number, variants, moving, max_error, focus, validity };
+            let job = Job { number, variants, moving, max_error, focus, held, validity };
             if let Some(worker) = &self.worker {
                 worker.show(job.clone());
             }
@@ -172,7 +174,8 @@ mod tests {
         scene.object.input = "cube".into();
         let subject = Arc::new(Subject::load(&scene, &library, &|_| ()).unwrap());
         let variants = vec![Variant { scene, library, subject }];
-        let job = Job { number: 2, variants, moving: true, max_error: 1e-3, focus: [0.5; 2], validity: false };
+        let job =
+            Job { number: 2, variants, moving: true, max_error: 1e-3, focus: [0.5; 2], held: false, validity: false };
         let now = Instant::now();
         (app.jobs.number, app.jobs.on_screen, app.jobs.submitted) = (2, 1, Some(job));
         (app.figures.stage, app.figures.is_cpu) = (Stage::Coarse, true);

@@ -42,6 +42,11 @@ impl Inspector {
         self.pixel.is_some()
     }
 
+    /// The selected pixel.
+    pub(crate) fn pixel(&self) -> Option<[u32; 2]> {
+        self.pixel
+    }
+
     /// Whether the report is complete.
     pub(crate) fn is_done(&self) -> bool {
         self.report.done

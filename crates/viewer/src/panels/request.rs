@@ -23,6 +23,8 @@ pub enum Request {
     Playback(Playback),
     /// Whether a drag keeps the vertical axis upright.
     Level(bool),
+    /// Shows or hides the lesson.
+    Lesson(bool),
     /// Sets the error target; `None` uses the samples of the scene.
     MaxError(Option<f64>),
     /// Shows or hides the validity of pixels.

@@ -49,6 +49,8 @@ pub struct Status {
     pub time: Option<f64>,
     /// Speed, range and repetition of time.
     pub playback: Playback,
+    /// Whether the lesson is shown.
+    pub lesson: bool,
     /// Whether a drag keeps the vertical axis upright.
     pub level: bool,
 }

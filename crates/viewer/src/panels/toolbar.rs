@@ -54,6 +54,8 @@ fn window(ui: &mut Ui, pass: &mut Pass<'_>) {
     let other = (!status.split).then(|| Box::new(pass.model.scene().clone()));
     let doc = "Pin this scene and compare with it (C).";
     ask(ui, status.split, "Compare", "compare", doc, Request::Split(other));
+    let doc = "Slices, soft regions and turbulence of this scene, explained (L).";
+    ask(ui, status.lesson, "How it works", "lesson", doc, Request::Lesson(!status.lesson));
     ask(ui, false, "Quit", "quit", "Close the program.", Request::Quit);
 }
 

@@ -84,6 +84,7 @@ impl Script {
         let done = match &step {
             Step::Drawn => app.is_current(),
             Step::Picture => app.is_current() && !matches!(stage, Stage::None | Stage::Coarse | Stage::Partial),
+            Step::Converged if app.lesson.is_held() => app.is_current() && stage == Stage::Scene,
             Step::Converged => app.is_current() && matches!(stage, Stage::Converged(_)),
             Step::Validity => app.is_current() && stage == Stage::Validity,
             Step::Inspected => app.inspector.is_done(),

@@ -1,7 +1,7 @@
 //! Jobs for the render thread, and its events.
 
 use crate::screen::Encoded;
-use crate::status::Stage;
+use crate::status::{Cost, Stage};
 use hypertexture::render::{Subject, ViewPose};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
@@ -37,6 +37,8 @@ pub(crate) struct Job {
     pub(crate) max_error: f64,
     /// Focus of the refinement, in fractions of the picture.
     pub(crate) focus: [f32; 2],
+    /// Whether the picture is held as drawn, without refinement.
+    pub(crate) held: bool,
     /// Whether to compute the validity of the finished picture; with one variant only.
     pub(crate) validity: bool,
 }
@@ -52,6 +54,8 @@ pub(crate) struct Picture {
     pub(crate) frames: Vec<Arc<[[f32; 4]]>>,
     /// Root mean square difference of two equally sampled variants.
     pub(crate) difference: Option<f64>,
+    /// Costs of the finished own pictures, one for each variant.
+    pub(crate) costs: Vec<Cost>,
     pub(crate) size: [u32; 2],
     pub(crate) samples: u32,
     /// View of the picture.

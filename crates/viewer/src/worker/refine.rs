@@ -7,7 +7,7 @@ use super::renderers::{VariantRenderers, with_other_pass};
 use crate::background::{cancel_if, catch_cancellation};
 use crate::mean::{Mean, resampled};
 use crate::progressive::{FEWEST, MOST, number, reference, tiles};
-use crate::status::Stage;
+use crate::status::{Cost, Stage};
 use hypertexture::gpu::Area;
 use hypertexture::render::variant::Variant as Program;
 use hypertexture::render::{Measurements, RenderError, Renderer, describe_frame, paste_areas, unused_overrides};
@@ -58,7 +58,9 @@ impl RenderThread {
         if !finished {
             return Ok(());
         }
-        self.send_mean(job, accumulation, true);
+        if !job.held {
+            self.send_mean(job, accumulation, true);
+        }
         if !std::mem::replace(&mut accumulation.reported, true) {
             self.send_ignored(job);
         }
@@ -82,13 +84,23 @@ impl RenderThread {
         renderers: &mut [VariantRenderers],
         accumulation: &mut Accumulation,
     ) -> Result<bool, RenderError> {
-        if accumulation.own.is_none() && !self.own_pictures(job, renderers, accumulation)? {
-            return Ok(false);
+        match &accumulation.own {
+            None => {
+                if !self.own_pictures(job, renderers, accumulation)? {
+                    return Ok(false);
+                }
+            }
+            // The mean may be on the screen.
+            Some(own) if job.held => {
+                let ms = accumulation.costs.iter().map(|cost| cost.ms).sum();
+                self.send_picture(job, accumulation, own, Picture::of(job, Stage::Scene, ms));
+            }
+            Some(_) => {}
         }
         let mut shown = Instant::now();
         let shared = self.shared.clone();
         let (size, job_number) = (job.variants[0].scene.image.size, job.number);
-        while accumulation.means[0].count < MOST && !is_converged(accumulation, job) {
+        while !job.held && accumulation.means[0].count < MOST && !is_converged(accumulation, job) {
             let mut pictures = Vec::new();
             let sub_frame = number(accumulation.means[0].count);
             accumulation.gpu_ms = 0.0;
@@ -153,7 +165,7 @@ impl RenderThread {
         let size = job.variants[0].scene.image.size;
         let enlarged = |pixels: &Vec<[f32; 4]>| resampled(pixels, accumulation.size, size, |at| at, [0.0; 4]);
         let mut all = accumulation.partial.take().unwrap_or_else(|| accumulation.coarse.iter().map(enlarged).collect());
-        let (mut gpu_ms, mut shown) = (0.0, Instant::now());
+        let (mut gpu_ms, mut costs, mut shown) = (0.0, Vec::new(), Instant::now());
         for (index, variant) in job.variants.iter().enumerate() {
             if !renderers[index].own.is_ready(&variant.scene) && !self.rests(job, SHORT) {
                 accumulation.partial = Some(all);
@@ -177,12 +189,13 @@ impl RenderThread {
                 return Ok(false);
             };
             gpu_ms += drawn.ms;
+            costs.push(Cost { ms: drawn.ms, rmse: None });
             if let (0, Some(measurements)) = (index, &drawn.measurements) {
                 let program = Program::of(&variant.scene, &variant.library)?;
                 (self.send)(Event::Made(describe_frame(measurements, &program, &variant.subject, &variant.library)));
             }
         }
-        accumulation.gpu_ms = gpu_ms;
+        (accumulation.gpu_ms, accumulation.costs) = (gpu_ms, costs);
         let picture = Picture { error: self.own_error, ..Picture::of(job, Stage::Scene, gpu_ms) };
         self.send_picture(job, accumulation, &all, picture);
         accumulation.own = Some(all);
@@ -288,15 +301,18 @@ impl RenderThread {
             .zip(&accumulation.coarse)
             .zip(accumulation.own.iter().flatten())
             .zip(&accumulation.scenes);
-        let mut worst = [0.0f64; 2];
+        let (mut worst, mut errors) = ([0.0f64; 2], Vec::new());
         for (((mean, coarse), own), scene) in all {
             let mean = mean.pixels();
             let coarse = resampled(coarse, accumulation.size, scene.image.size, |at| at, [0.0; 4]);
             worst[0] = worst[0].max(rms_difference(&coarse, &mean));
-            worst[1] = worst[1].max(rms_difference(own, &mean));
+            let rmse = rms_difference(own, &mean);
+            worst[1] = worst[1].max(rmse);
+            errors.push(Some(rmse));
         }
         self.coarse_error = accumulation.level.map(|level| (worst[0], level)).or(self.coarse_error);
         self.own_error = Some(worst[1]);
+        accumulation.costs.iter_mut().zip(errors).for_each(|(cost, rmse)| cost.rmse = rmse);
     }
 
     fn send_mean(&self, job: &Job, accumulation: &Accumulation, done: bool) {

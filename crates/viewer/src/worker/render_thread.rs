@@ -7,7 +7,7 @@ use crate::author::Gate;
 use crate::mean::{Mean, resampled};
 use crate::progressive::{Budget, FEWEST, Level};
 use crate::screen::{Encoded, behind, encode_srgb};
-use crate::status::Stage;
+use crate::status::{Cost, Stage};
 use hypertexture::gpu::{Encoder, Gpu, Image};
 use hypertexture::render::{RenderError, ViewPose};
 use hypertexture::scene::Scene;
@@ -52,6 +52,8 @@ pub(super) struct Accumulation {
     pub(super) own: Option<Vec<Vec<[f32; 4]>>>,
     pub(super) means: Vec<Mean>,
     pub(super) gpu_ms: f64,
+    /// Costs of the own pictures.
+    pub(super) costs: Vec<Cost>,
     /// Whether fields without an effect were reported.
     pub(super) reported: bool,
     /// Validity of the first own picture.
@@ -280,6 +282,7 @@ impl RenderThread {
             _ => None,
         };
         picture.frames = frames.iter().map(|pixels| Arc::from(*pixels)).collect();
+        picture.costs.clone_from(&accumulation.costs);
         picture.sight = accumulation.sights.first().copied();
         (self.send)(Event::Picture(Box::new(picture)));
     }
