@@ -45,5 +45,5 @@ fn phases(library: &Library) -> f64 {
             sum(now.x, then.x),
         ]
     };
-    Check::new(library, &[("phases", "two")], text).holds(1e-6, expected)
+    Check::new(library, &[("phases", "two")], text).holds(1e-5, expected)
 }

@@ -2,11 +2,14 @@
 
 use super::context::Pass;
 use super::request::Request;
-use super::widgets::{self, Field, button, field, named};
+use super::widgets::{self, button, named};
 use crate::keys;
 use crate::model::Model;
 use crate::playback::Playback;
-use egui::{Button, Color32, Key as KeyName, Pos2, Rect, Response, ScrollArea, Sense, Shape, Stroke, Ui, vec2};
+use egui::{
+    Button, Color32, Key as KeyName, Pos2, Rect, Response, ScrollArea, Sense, Shape, Stroke, Ui, WidgetInfo,
+    WidgetType, vec2,
+};
 use hypertexture::scene::{Ease, Key, Scene, Track, is_movable};
 use toml::Value;
 
@@ -16,6 +19,8 @@ const HEIGHT: f32 = 18.0;
 const MOST: f32 = 132.0;
 /// Half the size of a keyframe, points.
 const HALF: f32 = 5.0;
+/// Color of keyframes.
+const KEY: Color32 = Color32::from_rgb(232, 163, 61);
 /// Smallest distance of neighbors, seconds.
 const APART: f64 = 1e-3;
 
@@ -45,14 +50,21 @@ enum Change {
 /// A button that sets or removes the keyframe of a field at the present time. `value` is that of the field.
 pub(super) fn diamond(ui: &mut Ui, pass: &mut Pass<'_>, name: &str, value: Option<&Value>) {
     let Some(value) = value.filter(|_| pass.keys && is_movable(name)) else { return };
-    let (text, doc) = match (pass.model.key(name), pass.model.scene().animation.tracks.get(name)) {
-        (Some(_), _) => ("\u{25c6}", "Remove the keyframe at this time."),
-        (_, Some(Track::Expressions(_))) => ("\u{192}", "Replace the expression by a keyframe."),
-        (_, Some(_)) => ("\u{25c8}", "Set a keyframe at this time; another value does so too."),
-        (_, None) => ("\u{25c7}", "Set a keyframe at this time."),
+    let (ease, doc) = match (pass.model.key(name), pass.model.scene().animation.tracks.get(name)) {
+        (Some(key), _) => (Some(key.ease), "Remove the keyframe at this time."),
+        (_, Some(Track::Expressions(_))) => (None, "Replace the expression by a keyframe."),
+        (_, Some(_)) => (None, "Set a keyframe at this time; another value does so too."),
+        (_, None) => (None, "Set a keyframe at this time."),
     };
-    let response = ui.add(Button::new(text).small().frame(false)).on_hover_text(doc);
-    if named(ui, &response, &format!("{name}.keyframe")).clicked() {
+    let (place, response) = ui.allocate_exact_size(vec2(2.5 * HALF, HEIGHT), Sense::click());
+    let has_track = pass.model.scene().animation.tracks.contains_key(name);
+    let color = if has_track || response.hovered() { KEY } else { ui.visuals().weak_text_color() };
+    match ease {
+        Some(ease) => paint(ui, place.center(), ease, color),
+        None => drop(ui.painter().add(Shape::closed_line(rhombus(place.center()), Stroke::new(1.0, color)))),
+    }
+    response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, name));
+    if named(ui, &response, &format!("{name}.keyframe")).on_hover_text(doc).clicked() {
         let model = pass.model;
         match model.key(name).map(|key| key.time) {
             Some(time) => pass.draft.animation.remove_key(name, time),
@@ -65,7 +77,7 @@ pub(super) fn diamond(ui: &mut Ui, pass: &mut Pass<'_>, name: &str, value: Optio
 impl Keyframes {
     /// The switch of the tracks; a new loop becomes the range of the timeline.
     pub(super) fn switch(&mut self, ui: &mut Ui, model: &Model, playback: &mut Playback) {
-        let response = ui.toggle_value(&mut self.shown, "\u{25c6}");
+        let response = ui.toggle_value(&mut self.shown, "keys");
         named(ui, &response, "timeline keyframes").on_hover_text("Show keyframes: a diamond beside each control.");
         let period = model.scene().animation.period;
         if let (true, Some(period)) = (self.period != period, period) {
@@ -84,12 +96,17 @@ impl Keyframes {
             ui.weak("No keyframes: click the diamond beside a control.");
         }
         let mut change = None;
-        ScrollArea::vertical().id_salt("tracks").max_height(MOST).auto_shrink([false, true]).show(ui, |ui| {
-            for (name, track) in &tracks {
-                let made = ui.horizontal(|ui| self.track(ui, model, (name, track), range, requests)).inner;
-                change = change.take().or(made.map(|change| (name.clone(), change)));
-            }
-        });
+        ScrollArea::vertical()
+            .id_salt("tracks")
+            .max_height(MOST)
+            .min_scrolled_height(MOST)
+            .auto_shrink([false, true])
+            .show(ui, |ui| {
+                for (name, track) in &tracks {
+                    let made = ui.horizontal(|ui| self.track(ui, model, (name, track), range, requests)).inner;
+                    change = change.take().or(made.map(|change| (name.clone(), change)));
+                }
+            });
         let is_deleted = ui.input(|input| input.key_pressed(KeyName::Delete)) && !keys::writes(ui.ctx());
         if let (true, Some((name, number))) = (is_deleted, self.selected.take_if(|_| is_deleted)) {
             change = Some((name, Change::Remove(number)));
@@ -119,12 +136,9 @@ impl Keyframes {
         }
         match track {
             Track::Expressions(texts) => {
-                let mut text = texts.join("; ");
-                let mut touch = None;
-                let doc = "An expression in time, such as 1 + sin(2 * PI * time / 4); several are parted by ;";
-                let row = Field { text: Some(""), ..field(format!("{name}.expression"), doc) };
-                widgets::text(ui, &mut touch, &row, &mut text);
-                touch.map(|_| Change::Write(text)).or(change)
+                let (name, before) = (format!("{name}.expression"), texts.join("; "));
+                let text = widgets::field_of_text(ui, &name, &before, ui.available_width().max(60.0));
+                text.filter(|text| *text != before).map(Change::Write).or(change)
             }
             Track::Keys(list) => {
                 if button(ui, "\u{192}", &format!("{name}.express"), "Use an expression in time instead.").clicked() {
@@ -165,7 +179,8 @@ impl Keyframes {
             let response = ui.interact(place, id, Sense::click_and_drag());
             let own = (name.to_string(), number);
             let is_selected = self.selected.as_ref() == Some(&own);
-            paint(ui, center, key.ease, is_selected || response.hovered());
+            let is_bright = is_selected || response.hovered();
+            paint(ui, center, key.ease, if is_bright { ui.visuals().strong_text_color() } else { KEY });
             named(ui, &response, &format!("{name} key {}", number + 1)).on_hover_text(format!(
                 "{} at {} s, {}",
                 key.value,
@@ -215,19 +230,17 @@ impl Keyframes {
     }
 }
 
-/// A keyframe: a diamond, a disk if the way from it is smooth, a square if it holds.
-fn paint(ui: &Ui, center: Pos2, ease: Ease, is_bright: bool) {
-    let fill = if is_bright { ui.visuals().strong_text_color() } else { Color32::from_rgb(232, 163, 61) };
-    let corner = |x: f32, y: f32| center + HALF * vec2(x, y);
-    let shape = match ease {
-        Ease::Linear => {
-            let corners = vec![corner(0.0, -1.0), corner(1.0, 0.0), corner(0.0, 1.0), corner(-1.0, 0.0)];
-            Shape::convex_polygon(corners, fill, Stroke::NONE)
-        }
+/// Paints a keyframe: a diamond, a disk if the way from it is smooth, a square if it holds.
+fn paint(ui: &Ui, center: Pos2, ease: Ease, fill: Color32) {
+    ui.painter().add(match ease {
+        Ease::Linear => Shape::convex_polygon(rhombus(center), fill, Stroke::NONE),
         Ease::Smooth => Shape::circle_filled(center, 0.9 * HALF, fill),
         Ease::Hold => Shape::rect_filled(Rect::from_center_size(center, vec2(1.6, 1.6) * HALF), 0.0, fill),
-    };
-    ui.painter().add(shape);
+    });
+}
+
+fn rhombus(center: Pos2) -> Vec<Pos2> {
+    [(0.0, -1.0), (1.0, 0.0), (0.0, 1.0), (-1.0, 0.0)].map(|(x, y)| center + HALF * vec2(x, y)).into()
 }
 
 fn apply(scene: &mut Scene, name: &str, change: Change, copied: Option<Key>) {

@@ -234,7 +234,7 @@ pub fn text(ui: &mut Ui, touch: &mut Touch, field: &Field<'_>, value: &mut Strin
 }
 
 /// A text field that returns its text when Enter or a change of the focus ends it; Escape restores the old text.
-fn field_of_text(ui: &mut Ui, name: &str, value: &str, width: f32) -> Option<String> {
+pub fn field_of_text(ui: &mut Ui, name: &str, value: &str, width: f32) -> Option<String> {
     let id = ui.make_persistent_id(name);
     let held: Option<String> = ui.data(|data| data.get_temp(id));
     let mut text = held.unwrap_or_else(|| value.to_string());
