@@ -76,12 +76,12 @@ fn every_page_is_found_from_the_readme() {
 fn the_scene_files_of_the_guide_are_valid() {
     let scenes = blocks(GUIDE, "toml").into_iter().map(|text| scene::parse(text, "guide.md").unwrap());
     let scenes: Vec<Scene> = scenes.collect();
-    assert_eq!(scenes.len(), 2);
+    assert_eq!(scenes.len(), 3);
     for scene in &scenes {
         scene.check(&shader::shipped()).unwrap();
     }
     assert_eq!(scenes[0].effect, scene::preset("fur").unwrap().effect);
-    assert_eq!(scenes[1].parts.len(), 2);
+    assert_eq!((scenes[1].parts.len(), scenes[2].animation.tracks.len()), (2, 3));
 }
 
 #[test]
