@@ -38,6 +38,8 @@ const MIN_HOLD: f32 = 1.1547005;
 
 /// The parameter of `glsl/phases/two.glsl` that is the length of the loop.
 pub const LOOP_SECONDS: &str = "loop_seconds";
+/// The parameter of `glsl/wind/breeze.glsl` that is the time after which it repeats: a whole part of a loop.
+const WIND_PERIOD: &str = "wind_period";
 
 impl Parameters {
     /// Every parameter with its value, in the order of the modules.
@@ -97,8 +99,11 @@ impl Parameters {
     /// The parameters in the loop of a scene, if it has one.
     pub(super) fn in_loop(mut self, looped: Option<Looped>) -> Parameters {
         for (parameter, value) in &mut self.declared {
-            if let (LOOP_SECONDS, Some(looped)) = (parameter.name.as_str(), &looped) {
-                *value = ParameterValue::Number(looped.period as f32);
+            let (Some(Looped { period, .. }), ParameterValue::Number(value)) = (&looped, value) else { continue };
+            match parameter.name.as_str() {
+                LOOP_SECONDS => *value = *period as f32,
+                WIND_PERIOD => *value = (period / (period / f64::from(*value)).round().max(1.0)) as f32,
+                _ => {}
             }
         }
         Parameters { looped, ..self }

@@ -53,6 +53,16 @@ fn a_loop_goes_on_from_its_last_key_to_its_first() {
 }
 
 #[test]
+fn wind_repeats_a_whole_number_of_times_in_a_loop() {
+    let mut scene = preset("fur").unwrap();
+    scene.effect.wind = "breeze".into();
+    for (period, expected) in [(6.0, 3.0), (4.0, 4.0), (1.5, 1.5), (9.0, 4.5)] {
+        scene.animation.period = Some(period);
+        assert_eq!(scene.check(&shader::shipped()).unwrap().number("wind_period"), expected, "{period}");
+    }
+}
+
+#[test]
 fn colors_mix_in_linear_light_and_lists_number_by_number() {
     let color = moving(
         "light.color = [{ time = 0, value = \"#000000\" }, { time = 1, value = \"#ffffff\" }]\n\

@@ -209,6 +209,26 @@ fn its_panels_change_the_picture_that_is_written() {
 
 #[test]
 #[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
+fn keyframes_are_set_where_the_timeline_is_and_saved() {
+    let display = Display::new();
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("scene.toml").display().to_string();
+    let script = format!(
+        "wait picture\nclick timeline keyframes\nframes 2\nclick parameters.fury.keyframe\nframes 2\nset timeline 2\n\
+         frames 2\nset parameters.fury 3\nframes 2\nset timeline 1\nwait picture\nclick File\nframes 2\n\
+         write file.scene {scene}\nclick file.save\nframes 3\nclick quit\nframes 9\n"
+    );
+    let small = ["torus", "--effect", "fire", "--samples", "32", "--size", "64x48", "--window", "640x400"];
+    play(&display, folder.path(), &small, &script);
+    let saved = scene::load(Path::new(&scene), Reach::Anywhere).unwrap();
+    let Some(scene::Track::Keys(keys)) = saved.animation.tracks.get("parameters.fury") else { panic!("no keyframes") };
+    assert_eq!(keys.iter().map(|key| key.time).collect::<Vec<_>>(), [0.0, 2.0]);
+    let fury = &saved.moment().unwrap().parameters["fury"];
+    assert_eq!(*fury, scene::ParameterValue::Number(2.25), "at the time of the timeline, 1 s");
+}
+
+#[test]
+#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
 fn two_objects_that_are_compared_are_loaded_one_after_the_other() {
     let display = Display::new();
     let folder = tempfile::tempdir().unwrap();

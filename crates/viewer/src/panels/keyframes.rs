@@ -129,7 +129,8 @@ impl Keyframes {
         let mut change = None;
         ui.allocate_ui(vec2(NAMES, HEIGHT), |ui| {
             ui.set_min_width(NAMES);
-            ui.add(egui::Label::new(name).truncate());
+            let words = name.strip_prefix("parameters.").unwrap_or(name).replace(['.', '_'], " ");
+            ui.add(egui::Label::new(words).truncate()).on_hover_text(name);
         });
         if button(ui, "\u{2716}", &format!("{name}.drop"), "Remove the motion; the present value stays.").clicked() {
             change = Some(Change::Drop);
