@@ -19,18 +19,18 @@ uint scattered(uint point) {
 // The direction of a lattice point, as its dot product with an offset and as a vector.
 float knot(uint point, float x, float y, float z) {
     uint h = scattered(point);
-    x = (h & 1u) != 0u ? -x : x;
-    y = (h & 2u) != 0u ? -y : y;
-    z = (h & 4u) != 0u ? -z : z;
-    float major = h < 0x55555555u ? x : (h < 0xaaaaaaaau ? y : z);
+    x = mix(x, -x, (h & 1u) != 0u);
+    y = mix(y, -y, (h & 2u) != 0u);
+    z = mix(z, -z, (h & 4u) != 0u);
+    float major = mix(mix(z, y, h < 0xaaaaaaaau), x, h < 0x55555555u);
     return MINOR * (x + y + z) + (MAJOR - MINOR) * major;
 }
 
 vec3 direction(uint point) {
     uint h = scattered(point);
-    float x = (h & 1u) != 0u ? -1.0 : 1.0, y = (h & 2u) != 0u ? -1.0 : 1.0, z = (h & 4u) != 0u ? -1.0 : 1.0;
+    vec3 sides = mix(vec3(1.0), vec3(-1.0), notEqual(h & uvec3(1u, 2u, 4u), uvec3(0u)));
     bool first = h < 0x55555555u, last = h >= 0xaaaaaaaau;
-    return vec3(x * (first ? MAJOR : MINOR), y * (first || last ? MINOR : MAJOR), z * (last ? MAJOR : MINOR));
+    return sides * mix(vec3(MINOR), vec3(MAJOR), bvec3(first, !first && !last, last));
 }
 
 float lattice_noise(vec3 p, uint mask) {

@@ -47,6 +47,9 @@ pub enum RenderError {
     /// The scene has no depth.
     #[error("bent rays and a slice stack viewed from the side have no depth; use {0}")]
     Depth(&'static str),
+    /// The setting is not available to other hosts.
+    #[error("{0}: a page or another program cannot draw it; use {1}")]
+    Portable(&'static str, &'static str),
     /// The caller stopped the picture: see [`Renderer::stop_where`](crate::render::Renderer::stop_where).
     #[error("the picture was stopped before it was finished")]
     Stopped,

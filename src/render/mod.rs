@@ -13,6 +13,7 @@ mod frame;
 mod groom;
 mod inputs;
 mod measurements;
+mod portable;
 mod subject;
 #[doc(hidden)] // for the tests of this crate
 pub mod texture;
@@ -33,6 +34,7 @@ pub use frame::{Renderer, Transmittance, check_depth, paste_areas, render, trans
 pub use groom::{Channel, GroomError, fill_channel};
 pub use inputs::{CpuInputs, ImageInfo, Sparse};
 pub use measurements::{Frame, Measurements};
+pub use portable::{Portable, PortableImage, PortableParameter, PortableProgram, PortableSampler};
 pub use subject::{Subject, SubjectRequest, field_margin, open, request};
 pub use variant::{Blocks, OCTAVES_ID};
 pub use volume::{VoxelError, VoxelFit, VoxelGrids, VoxelLeaf, VoxelPlan, VoxelReport, voxelize};

@@ -4,6 +4,7 @@ use super::bench::Bench;
 use super::compare::Compare;
 use super::convert::Convert;
 use super::explain::Explain;
+use super::export::{Export, Web};
 use super::field::Field;
 use super::gallery::GalleryArguments;
 use super::groom::GroomArguments;
@@ -51,6 +52,10 @@ pub enum Command {
     Volume(Box<Volume>),
     /// Paint length, density, color and direction on an object, by expressions. Modules of the effect read it.
     Groom(GroomArguments),
+    /// Write a page that shows a scene in a browser, by WebGPU.
+    Web(Box<Web>),
+    /// Write the program of a scene and its inputs for other hosts. Files: GLSL, SPIR-V, WGSL, texels, and JSON that describes them.
+    Export(Box<Export>),
     /// Render every example scene, or the six effects on one object. A page explains them.
     Gallery(GalleryArguments),
     /// Measure error against run time: noise implementations, samples, blocks, formats and integrations, with a report.

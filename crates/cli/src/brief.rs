@@ -4,7 +4,7 @@ use super::args::Arguments;
 use clap::{Arg, ArgAction, Command, CommandFactory, FromArgMatches};
 
 /// Flags in the short help of each command, and examples.
-const BRIEF: [(&str, &[&str], [&str; 2]); 20] = [
+const BRIEF: [(&str, &[&str], [&str; 2]); 22] = [
     (
         "render",
         &[
@@ -53,7 +53,17 @@ const BRIEF: [(&str, &[&str], [&str; 2]); 20] = [
         &["output", "length", "density", "color", "direction", "side"],
         ["groom torus --length 'y > 0.1 ? 0.3 : 1.0'", "groom teapot --color 'vec3(2.0 * p.y, 1.0, 1.0)' -o red.nrrd"],
     ),
-    ("gallery", &["output", "size", "samples"], ["gallery -o out", "gallery teapot -o out"]),
+    (
+        "web",
+        &["output", "single-file", "effect", "set", "dmf", "camera", "iso", "light", "size", "resolution"],
+        ["web fire_ball -o page", "web teapot --effect fur --single-file -o fur.html"],
+    ),
+    (
+        "export",
+        &["output", "effect", "set", "dmf", "camera", "iso", "light", "size", "resolution"],
+        ["export fire_ball -o fire", "export teapot --effect fur -o fur"],
+    ),
+    ("gallery", &["output", "size", "samples", "web"], ["gallery -o out", "gallery teapot --web -o out"]),
     (
         "compare",
         &["paper", "output", "thorough", "sweep", "strategies", "effect", "set", "size"],

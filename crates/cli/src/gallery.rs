@@ -1,8 +1,10 @@
 //! The gallery: every example scene on its own object, or the effects of MJ Fig. 7 on one, and a page that explains them.
 
 use super::compare::Failed;
+use super::export::live;
 use super::picture::smooth;
 use super::scene_arguments::{ObjectFlags, size};
+use super::session::check_folder;
 use super::{absolute, announced, say, start};
 use clap::Args;
 use hypertexture::field::Progress;
@@ -15,10 +17,9 @@ use hypertexture::shader::{self, Library, ParameterKind};
 use measure::worker::{Load, Painter, Start, Worker};
 use std::error::Error;
 use std::fmt::Write;
-use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use support::{probe, write_whole};
+use support::write_whole;
 
 /// Arguments of `gallery`.
 #[derive(Args)]
@@ -34,6 +35,9 @@ pub(super) struct GalleryArguments {
     /// Samples of a ray through the object [default: the scene's].
     #[arg(long)]
     pub samples: Option<u32>,
+    /// Write a live page of each scene too, behind its picture.
+    #[arg(long)]
+    pub web: bool,
     /// The object.
     #[command(flatten)]
     pub object: ObjectFlags,
@@ -60,19 +64,11 @@ pub(super) fn run(command: &GalleryArguments, options: &Options, quiet: bool) ->
         command.object.apply(scene)?;
     }
     // Checked before the first picture, which creates the folder.
-    let existing = command.output.ancestors().find(|folder| folder.exists()).unwrap_or(Path::new("."));
-    let existing = if existing.as_os_str().is_empty() { Path::new(".") } else { existing };
-    let possible = match command.output.metadata() {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
-        _ => probe(existing),
-    };
-    possible.map_err(|error| match existing.is_dir() {
-        true => format!("{}: {error}; nothing was written", command.output.display()),
-        false => format!("{}: it is a file; name a folder; nothing was written", existing.display()),
-    })?;
+    check_folder(&command.output)?;
     let (began, start) = (Instant::now(), start(options)?);
+    let (library, folder, web) = (&library, &command.output, command.web);
     let Gallery { page, failures } =
-        announced(quiet, "gallery", |progress| write(&gpu, &library, &scenes, &start, &command.output, progress))?;
+        announced(quiet, "gallery", |progress| write(&gpu, library, &scenes, &start, (folder, web), progress))?;
     if !quiet {
         say(&format!(
             "rendered {} scenes in {:.1} s on {}\nwrote {}\n",
@@ -124,6 +120,7 @@ pub struct Gallery {
 }
 
 /// Renders the scenes by workers into `folder`, and writes `index.html` there. A scene that crashes the driver is left out.
+/// With `web`, writes the page of each scene that can be carried.
 ///
 /// # Errors
 /// A scene that cannot be drawn, or a file that cannot be written.
@@ -132,7 +129,7 @@ pub fn write(
     library: &Library,
     scenes: &[(String, Scene)],
     start: &Start,
-    folder: &Path,
+    (folder, web): (&Path, bool),
     progress: Progress<'_>,
 ) -> Result<Gallery, Box<dyn Error>> {
     let io = |path: &Path| {
@@ -170,12 +167,15 @@ pub fn write(
         let provenance = Provenance::of(scene, &gpu.info().title(), &frame.measurements);
         let provenance = provenance.map_err(|source| OutputError::Provenance { path: name.clone(), source })?;
         output::write(&frame, scene.image.background, Depth::Eight, &provenance, &path)?;
+        let is_live = web && live(library, scene, (name, &path), &folder.join(name))?;
+        let [link, end] =
+            if is_live { [format!("<a href=\"{name}/index.html\">"), "</a>".into()] } else { Default::default() };
         let m = &frame.measurements;
         let input = escape(&scene.object.input);
         let command = escape(&scene.command_line(library));
         write!(
             groups[group(&scene.about)].1,
-            "<figure id=\"{name}\"><img src=\"{file}\" width=\"{}\" height=\"{}\" alt=\"{name} on {input}\">\n<figcaption><h3>{}</h3><p>{}</p>\n{}\n\
+            "<figure id=\"{name}\">{link}<img src=\"{file}\" width=\"{}\" height=\"{}\" alt=\"{name} on {input}\">{end}\n<figcaption><h3>{}</h3><p>{}</p>\n{}\n\
              <p class=\"cost\">{} samples in depth, {:.0} ms on the device. Modules: <code>{}</code>. Left out: {}.</p>\n\
              <p><code>{command} -o {file}</code></p></figcaption></figure>\n",
             scene.image.size[0], scene.image.size[1], name.replace('_', " "), escape(&scene.about),

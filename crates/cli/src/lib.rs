@@ -12,6 +12,7 @@ pub mod doctor;
 mod effects;
 mod error_map;
 mod explain;
+mod export;
 #[cfg(test)]
 mod fault_tests;
 mod field;

@@ -5,8 +5,8 @@ use crate::compare::Failed;
 use crate::sequence::Interrupted;
 use crate::terminal::{UNSAID, complain, say, say_json};
 use crate::{
-    bench, brief, compare, convert, doctor, effects, explain, field, gallery, groom, info, log, manual, merge, mesh,
-    paper,
+    bench, brief, compare, convert, doctor, effects, explain, export, field, gallery, groom, info, log, manual, merge,
+    mesh, paper,
 };
 use crate::{render, settings, stress, verify, volume};
 #[cfg(feature = "viewer")]
@@ -142,6 +142,8 @@ pub(crate) fn carry_out(command: Command, options: &Options, quiet: bool) -> Res
         Command::Mesh(command) => mesh::run(&command, quiet),
         Command::Volume(command) => volume::run(&command, options, quiet),
         Command::Groom(command) => groom::run(&command, quiet),
+        Command::Web(command) => export::web(&command, options, quiet),
+        Command::Export(command) => export::export(&command, quiet),
         Command::Gallery(command) => gallery::run(&command, options, quiet),
         Command::Compare(command) if command.paper => paper::run(&command, options, quiet),
         Command::Compare(command) => compare::run(&command, options, quiet),

@@ -8,7 +8,9 @@ use hypertexture::shader::Library;
 use measure::guard;
 use measure::worker::{PATIENCE, Start};
 use std::error::Error;
-use support::words;
+use std::io;
+use std::path::Path;
+use support::{probe, words};
 
 /// Opens the device and calls a function; once more if the device is lost meanwhile.
 pub(crate) fn with_device<T>(
@@ -58,8 +60,22 @@ pub(crate) fn try_modules(
     Ok(())
 }
 
+/// Checks that a folder can be created, or written to.
+pub(crate) fn check_folder(folder: &Path) -> Result<(), String> {
+    let existing = folder.ancestors().find(|folder| folder.exists()).unwrap_or(Path::new("."));
+    let existing = if existing.as_os_str().is_empty() { Path::new(".") } else { existing };
+    let possible = match folder.metadata() {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+        _ => probe(existing),
+    };
+    possible.map_err(|error| match existing.is_dir() {
+        true => format!("{}: {error}; nothing was written", folder.display()),
+        false => format!("{}: it is a file; name a folder; nothing was written", existing.display()),
+    })
+}
+
 /// Absolute path, printable on one line.
-pub(crate) fn absolute(path: &std::path::Path) -> String {
+pub(crate) fn absolute(path: &Path) -> String {
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     words::line(&path.to_string_lossy()).into_owned()
 }

@@ -32,7 +32,7 @@ pub use formula::{Formula, FormulaError};
 pub use instrument::FAULT;
 pub use kind::Kind;
 pub use library::Library;
-pub use link::Linker;
+pub use link::{Linker, linked_text};
 pub use names::{is_reserved, reserved, tokens};
 pub use reach::{Reach, Sides};
 pub use slots::Slots;

@@ -9,6 +9,7 @@
 
 use super::declare::{Parameter, ParameterKind};
 use super::error::{LibraryError, LinkError};
+use super::file::{Include, include};
 use super::formula::Formula;
 use super::glslang::{self, Text};
 use super::instance::{Instance, instances};
@@ -86,6 +87,39 @@ impl Linker {
         let text = Text { name: entry, text, stage, is_optimized: self.is_optimizing };
         Ok(with_exact_rounding(&glslang::compiled(&text, &include)?))
     }
+}
+
+/// The text of an entry file with its includes in place, as [`Linker::link`] compiles it.
+///
+/// # Errors
+/// A missing module or a bad declaration.
+pub fn linked_text(library: &Library, entry: &str, parameters_of: &[&str], slots: &Slots) -> Result<String, LinkError> {
+    fn expand(
+        sources: &Sources<'_>,
+        text: &str,
+        included: &mut BTreeSet<String>,
+        out: &mut String,
+    ) -> Result<(), LinkError> {
+        for line in text.lines() {
+            let (path, text) = match include(line) {
+                Some(Include::File(name)) => sources.resolve(name, false)?,
+                Some(Include::Slot(name)) => sources.resolve(name, true)?,
+                None => {
+                    *out += line;
+                    out.push('\n');
+                    continue;
+                }
+            };
+            if included.insert(path) {
+                expand(sources, &text, included, out)?;
+            }
+        }
+        Ok(())
+    }
+    let sources = Sources::new(library, slots, parameters_of)?;
+    let (mut included, mut out) = (BTreeSet::new(), String::new());
+    expand(&sources, library.source(entry).unwrap_or_default(), &mut included, &mut out)?;
+    Ok(out)
 }
 
 /// Resolves the includes of a program.

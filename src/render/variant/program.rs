@@ -52,6 +52,15 @@ impl Program {
         self.resources.iter().find(|resource| resource.name == name).map(|resource| resource.binding)
     }
 
+    /// Names of the members of all blocks.
+    pub fn members(&self) -> impl Iterator<Item = &str> {
+        let blocks = self.resources.iter().filter_map(|own| match &own.holds {
+            Use::Block(block) => Some(block),
+            _ => None,
+        });
+        blocks.flat_map(|block| block.members.iter().map(|member| member.name.as_str()))
+    }
+
     /// Block members that the fragment stage reads in any function: pairs of a binding and a member index.
     pub fn members_read(&self) -> BTreeSet<(u32, u32)> {
         reflect::members_read(&self.fragment)

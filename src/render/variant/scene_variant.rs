@@ -8,7 +8,7 @@ use crate::scene::{
     Color, FieldEncoding, Integration, ParameterValue, Parameters, Pass, SHADOW_SAMPLES, Scene, TargetFormat,
 };
 use crate::shader::slots::{FOLDED, objects, qualified};
-use crate::shader::{Library, LinkError, Linker, Parameter, Slots, counting};
+use crate::shader::{Library, LinkError, Linker, Parameter, Slots, counting, linked_text};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::iter;
@@ -313,6 +313,22 @@ impl Variant {
             None => self.linked(library, true, linker)?,
         };
         Program::of(vertex, fragment, is_shipped)
+    }
+
+    /// The variant whose rays know no empty cells.
+    pub(crate) fn without_cells(mut self) -> Variant {
+        if let Some(names) = self.slots.get_mut("cells") {
+            *names = vec!["none".into()];
+        }
+        self
+    }
+
+    /// The linked GLSL of the fragment stage.
+    ///
+    /// # Errors
+    /// A module is missing, which [`Variant::of`] excludes.
+    pub fn text(&self, library: &Library) -> Result<String, VariantError> {
+        Ok(linked_text(library, self.entries[1], &self.entries, &self.slots)?)
     }
 
     /// The unoptimized program, in which endless loops remain.

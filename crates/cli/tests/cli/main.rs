@@ -29,4 +29,5 @@ mod shards;
 mod strangers;
 mod verify;
 mod volumes;
+mod web;
 mod worker;

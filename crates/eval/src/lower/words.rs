@@ -22,6 +22,14 @@ fn op(word: u32) -> Option<Op> {
     Op::from_u32(word & 0xffff)
 }
 
+/// The words of a module without lines, with these specialization constants (IDs and bits) in place.
+///
+/// # Errors
+/// [`ExactError::Spirv`].
+pub fn specialized(spirv: &[u32], constants: &[(u32, u32)]) -> Result<Vec<u32>, ExactError> {
+    Words::read(spirv, constants).map(|words| words.words)
+}
+
 impl Words {
     pub fn read(spirv: &[u32], constants: &[(u32, u32)]) -> Result<Words, ExactError> {
         if spirv.len() < HEADER || spirv[0] != spirv::MAGIC_NUMBER {

@@ -1,0 +1,176 @@
+//! `web` and `export`: a scene for a browser, and for other hosts.
+
+use super::picture::smooth;
+use super::scene_arguments::{ObjectFlags, SceneArguments};
+use super::session::check_folder;
+use super::{absolute, say, try_modules, with_device, with_progress};
+use clap::Args;
+use export::{File, Page, folder, page};
+use hypertexture::gpu::Options;
+use hypertexture::output::{self, Depth, Provenance, encode_png};
+use hypertexture::render::variant::Variant;
+use hypertexture::render::{Portable, RenderError, Renderer, Subject};
+use hypertexture::scene::Scene;
+use hypertexture::shader::Library;
+use std::error::Error;
+use std::fs::create_dir_all;
+use std::path::{Path, PathBuf};
+use support::write_whole;
+
+/// Arguments of `web`.
+#[derive(Args)]
+pub struct Web {
+    /// An object, a scene file, an example scene, or a picture of this program.
+    pub input: String,
+    /// Output folder, or file with --single-file [default: page or page.html].
+    #[arg(long, short, value_name = "PATH")]
+    pub output: Option<PathBuf>,
+    /// Write one file, which also works from disk.
+    #[arg(long)]
+    pub single_file: bool,
+    /// The object.
+    #[command(flatten)]
+    pub object: ObjectFlags,
+    /// The scene.
+    #[command(flatten)]
+    pub arguments: SceneArguments,
+}
+
+/// Arguments of `export`.
+#[derive(Args)]
+pub struct Export {
+    /// An object, a scene file, an example scene, or a picture of this program.
+    pub input: String,
+    /// Output folder.
+    #[arg(long, short, default_value = "export", value_name = "FOLDER")]
+    pub output: PathBuf,
+    /// The object.
+    #[command(flatten)]
+    pub object: ObjectFlags,
+    /// The scene.
+    #[command(flatten)]
+    pub arguments: SceneArguments,
+}
+
+/// A scene with its object loaded.
+struct Loaded {
+    variant: Variant,
+    library: Library,
+    subject: Subject,
+    portable: Portable,
+    /// The command that makes the output, without its name.
+    command: String,
+}
+
+/// Loads a scene and makes its programs and inputs.
+fn load(
+    (name, input): (&str, &str),
+    (arguments, object): (&SceneArguments, &ObjectFlags),
+    options: Option<&Options>,
+    quiet: bool,
+) -> Result<Loaded, Box<dyn Error>> {
+    let mut scene = arguments.scene(input, object)?;
+    let command = command_of(name, &scene, &scene.library()?);
+    if !arguments.says_rays_of_a_pixel(input) {
+        smooth(&mut scene);
+    }
+    let (variant, library) = super::checked(&scene)?;
+    try_modules(&variant, &library, options)?;
+    let subject = with_progress(quiet, "distance field", |progress| Subject::load(&variant, &library, progress))?;
+    let portable = with_progress(quiet, "program", |progress| Portable::of(&library, &scene, &subject, progress))?;
+    Ok(Loaded { variant, library, subject, portable, command })
+}
+
+/// Writes a page.
+pub(super) fn web(command: &Web, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
+    let is_single = command.single_file;
+    let usual = if is_single { "page.html" } else { "page" };
+    let path = command.output.clone().unwrap_or_else(|| usual.into());
+    match is_single {
+        true if path.extension().is_none_or(|end| !end.eq_ignore_ascii_case("html")) => {
+            return Err(format!("--output {}: end the name in .html", path.display()).into());
+        }
+        true => output::check_all([("--output", path.clone())], [PathBuf::from(&command.input)])?,
+        false => check_folder(&path)?,
+    }
+    let loaded = load(("web", &command.input), (&command.arguments, &command.object), Some(options), quiet)?;
+    let Loaded { variant, library, subject, portable, command: line } = &loaded;
+    let picture = with_device(options, |gpu| {
+        let frame = with_progress(quiet, "picture", |progress| {
+            let mut renderer = Renderer::new(gpu, library, subject);
+            renderer.prepare(variant, progress)?;
+            renderer.render(variant)
+        })?;
+        let provenance = Provenance::of(&variant.scene, &gpu.info().title(), &frame.measurements)?;
+        Ok(encode_png(&frame, variant.scene.image.background, Depth::Eight, &provenance)?)
+    })?;
+    let stem = Path::new(&command.input).file_stem().unwrap_or_default().to_string_lossy().replace('_', " ");
+    let flag = if is_single { " --single-file" } else { "" };
+    let line = format!("{line}{flag} -o {}", path.file_name().unwrap_or_default().to_string_lossy());
+    let files = page(portable, &Page { title: &stem, command: &line, picture: &picture, is_single })?;
+    match is_single {
+        true => {
+            write(Path::new(""), &[(path.to_string_lossy().into(), files.into_iter().next().unwrap_or_default().1)])?
+        }
+        false => write(&path, &files)?,
+    }
+    let shown = if is_single { path } else { path.join("index.html") };
+    say_written(&shown, quiet)
+}
+
+/// Writes a folder for other hosts.
+pub(super) fn export(command: &Export, quiet: bool) -> Result<(), Box<dyn Error>> {
+    check_folder(&command.output)?;
+    let loaded = load(("export", &command.input), (&command.arguments, &command.object), None, quiet)?;
+    write(&command.output, &folder(&loaded.portable, &loaded.command)?)?;
+    say_written(&command.output.join("scene.json"), quiet)
+}
+
+/// Writes the page of a checked scene whose picture is in a file; false if the scene cannot be carried.
+pub(super) fn live(
+    library: &Library,
+    scene: &Scene,
+    (name, picture): (&str, &Path),
+    path: &Path,
+) -> Result<bool, Box<dyn Error>> {
+    let subject = Subject::load(scene, library, &|_| ())?;
+    let portable = match Portable::of(library, scene, &subject, &|_| ()) {
+        Err(RenderError::Portable(..)) => return Ok(false),
+        portable => portable?,
+    };
+    let picture = std::fs::read(picture).map_err(|error| format!("{}: {error}", picture.display()))?;
+    let command = format!("{} -o {name}", command_of("web", scene, library));
+    write(
+        path,
+        &page(
+            &portable,
+            &Page { title: &name.replace('_', " "), command: &command, picture: &picture, is_single: false },
+        )?,
+    )?;
+    Ok(true)
+}
+
+/// The command line of a scene for another command than `render`.
+fn command_of(name: &str, scene: &Scene, library: &Library) -> String {
+    scene.command_line(library).replacen(" render ", &format!(" {name} "), 1)
+}
+
+/// Writes files into a folder, which is created.
+fn write(folder: &Path, files: &[File]) -> Result<(), Box<dyn Error>> {
+    let fails = |path: &Path, error: std::io::Error| format!("{}: {error}", path.display());
+    if folder != Path::new("") {
+        create_dir_all(folder).map_err(|error| fails(folder, error))?;
+    }
+    for (name, bytes) in files {
+        let path = folder.join(name);
+        write_whole(&path, bytes).map_err(|error| fails(&path, error))?;
+    }
+    Ok(())
+}
+
+fn say_written(path: &Path, quiet: bool) -> Result<(), Box<dyn Error>> {
+    if !quiet {
+        say(&format!("wrote {}\n", absolute(path)));
+    }
+    Ok(())
+}

@@ -1,0 +1,212 @@
+//! Pages of `web`, drawn by a browser; and what `web` and `export` refuse.
+
+use crate::program::{run, unexpected};
+use serde_json::Value;
+use std::collections::HashMap;
+use std::fs;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+
+/// Side of the pictures.
+const SIDE: usize = 128;
+/// Most that a picture differs from that of `render`, codes of 255.
+const FAR: f64 = 2.0;
+/// Scenes that are drawn: the effects on objects, and presets.
+const SCENES: [&str; 11] = [
+    "teapot --effect lit",
+    "torus --effect solid",
+    "teapot --effect bump",
+    "teapot --effect fur",
+    "knot --effect melting",
+    "sphere --effect fire",
+    "fire_ball",
+    "noisy_sphere",
+    "furry_donut",
+    "blue_glass",
+    "eroded_cube",
+];
+const BROWSERS: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
+
+/// Answers one request: files of `root`, with the probe in each page. Posts are returned.
+fn answer(mut stream: TcpStream, root: &Path) -> Option<(String, Vec<u8>)> {
+    let mut reader = BufReader::new(stream.try_clone().unwrap());
+    let (mut first, mut length) = (String::new(), 0);
+    reader.read_line(&mut first).unwrap();
+    loop {
+        let mut line = String::new();
+        reader.read_line(&mut line).unwrap();
+        if let Some(value) = line.to_ascii_lowercase().strip_prefix("content-length:") {
+            length = value.trim().parse().unwrap();
+        }
+        if line.trim().is_empty() {
+            break;
+        }
+    }
+    let mut words = first.split_whitespace();
+    let (method, path) = (words.next().unwrap_or_default(), words.next().unwrap_or_default().trim_start_matches('/'));
+    let mut body = vec![0; length];
+    reader.read_exact(&mut body).unwrap();
+    let file = if path.ends_with('/') { format!("{path}index.html") } else { path.to_string() };
+    let kind = match file.rsplit('.').next().unwrap() {
+        "html" => "text/html",
+        "js" => "text/javascript",
+        "css" => "text/css",
+        _ => "application/octet-stream",
+    };
+    let (status, content) = match fs::read(root.join(&file)) {
+        _ if method == "POST" => ("200 OK", Vec::new()),
+        Ok(page) if kind == "text/html" => {
+            let probe = format!("<script>{}</script>\n<main>", include_str!("probe.js"));
+            ("200 OK", String::from_utf8(page).unwrap().replacen("<main>", &probe, 1).into_bytes())
+        }
+        Ok(content) => ("200 OK", content),
+        Err(_) => ("404 Not Found", Vec::new()),
+    };
+    let head = format!(
+        "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {}\r\nConnection: close\r\n\r\n",
+        content.len()
+    );
+    let _ = stream.write_all(head.as_bytes()).and_then(|()| stream.write_all(&content)); // the browser may have left
+    (method == "POST").then(|| (path.to_string(), body))
+}
+
+/// A browser that is closed in the end.
+struct Browser(Child);
+
+impl Drop for Browser {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// Opens a page in a browser without a display, with a device in software.
+fn browse(folder: &Path, url: &str) -> Option<Browser> {
+    let flags = ["--headless=new", "--no-sandbox", "--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader"];
+    BROWSERS.iter().find_map(|browser| {
+        let mut command = Command::new(browser);
+        command.args(flags).args(["--disable-gpu-watchdog", "--no-first-run", "--window-size=1280,900"]);
+        command.arg(format!("--user-data-dir={}", folder.join("browser").display())).arg(url);
+        command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn().ok().map(Browser)
+    })
+}
+
+/// What the page of a folder posts, by name; `None` without a browser.
+fn posted(root: &Path, page: &str) -> Option<HashMap<String, Vec<u8>>> {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let url = format!("http://{}/{page}", listener.local_addr().unwrap());
+    let _browser = browse(root, &url)?;
+    let mut all = HashMap::new();
+    for stream in listener.incoming() {
+        let Some((path, body)) = answer(stream.unwrap(), root) else { continue };
+        let name = path.rsplit('/').next().unwrap().to_string();
+        if name == "done" {
+            break;
+        }
+        all.insert(name, body);
+    }
+    Some(all)
+}
+
+/// Root mean square of the differences.
+fn apart(a: &[u8], b: &[u8]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let squares: f64 = a.iter().zip(b).map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2)).sum();
+    (squares / a.len() as f64).sqrt()
+}
+
+/// A picture with its colors multiplied by its alpha, as browsers have them.
+fn premultiplied(path: &Path) -> Vec<u8> {
+    let pixels = image::open(path).unwrap().to_rgba8().into_raw();
+    let texels = pixels.as_chunks::<4>().0.iter();
+    let part = |code: u8, alpha: u8| (f64::from(code) * f64::from(alpha) / 255.0).round() as u8;
+    texels.flat_map(|[r, g, b, a]| [part(*r, *a), part(*g, *a), part(*b, *a), *a]).collect()
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_browser_draws_the_pictures_of_render_and_changes_them() {
+    let root = tempfile::tempdir().unwrap();
+    let root = root.path();
+    for (number, scene) in SCENES.iter().enumerate() {
+        let small = format!("--size {SIDE}x{SIDE} --resolution 64 --set quality.supersampling=1");
+        let made = run(root, &format!("web {scene} {small} -o {number}"));
+        assert!(made.status.success(), "{scene}: {}", unexpected(&made));
+        let own = root.join(number.to_string());
+        // The picture in its own size, whatever the window.
+        let style = fs::read_to_string(own.join("style.css")).unwrap();
+        fs::write(own.join("style.css"), style + "#stage { width: 128px; height: 128px; margin: 0; }").unwrap();
+        let Some(shown) = posted(root, &format!("{number}/")) else {
+            eprintln!("skipped: no browser ({})", BROWSERS.join(", "));
+            return;
+        };
+        let error = shown.get("error").map(|text| String::from_utf8_lossy(text));
+        assert!(error.is_none(), "{scene}: {}", error.unwrap());
+        let off = apart(&shown["first"], &premultiplied(&own.join("picture.png")));
+        let [dragged, reset, slid] = ["dragged", "reset", "slid"].map(|name| apart(&shown["first"], &shown[name]));
+        println!("{scene}: {off:.3} from render; {dragged:.2} by a drag, {slid:.2} by a slider");
+        assert!(off < FAR, "{scene}: {off}");
+        assert!(reset == 0.0 && slid > 0.1, "{scene}: {reset} after a reset, {slid} by a slider");
+        assert!(dragged > 0.1 || scene.contains("sphere"), "{scene}: {dragged} by a drag");
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn what_cannot_be_carried_is_refused_in_one_line() {
+    let root = tempfile::tempdir().unwrap();
+    let root = root.path();
+    fs::write(root.join("file"), "").unwrap();
+    for (arguments, said) in [
+        ("web wax -o page", "light.method = \"half_angle\": a page or another program cannot draw it"),
+        ("export teapot --debug-view slice-stack -o page", "camera.slice_stack"),
+        ("web sphere --single-file -o page", "end the name in .html"),
+        ("export sphere -o file", "it is a file; name a folder; nothing was written"),
+    ] {
+        let output = run(root, arguments);
+        let line = unexpected(&output);
+        assert_eq!((output.status.code(), line.lines().count()), (Some(2), 1), "{arguments}: {line}");
+        assert!(line.contains(said), "{arguments}: {line}");
+    }
+    assert!(!root.join("page").exists());
+}
+
+#[test]
+fn an_export_describes_the_bindings_of_its_programs_and_its_files() {
+    let root = tempfile::tempdir().unwrap();
+    let made = run(root.path(), "export teapot --effect fur --resolution 32 -o fur");
+    assert!(made.status.success(), "{}", unexpected(&made));
+    let own = |name: &str| root.path().join("fur").join(name);
+    let text = |name: &Value| fs::read_to_string(own(name.as_str().unwrap())).unwrap();
+    let scene: Value = serde_json::from_str(&text(&"scene.json".into())).unwrap();
+    let all = |value: &Value| value.as_array().unwrap().clone();
+    let programs = all(&scene["programs"]);
+    assert_eq!(programs.iter().map(|own| own["name"].clone()).collect::<Vec<_>>(), ["picture", "shadow"]);
+    for program in programs {
+        let (wgsl, glsl) = (text(&program["wgsl"]), text(&program["glsl"]));
+        assert!(glsl.starts_with("#version 450\n") && !glsl.contains("#include"));
+        let number = |line: &str| line.split("@binding(").nth(1)?.split(')').next()?.parse::<u64>().ok();
+        let mut declared: Vec<u64> = wgsl.lines().filter_map(number).collect();
+        let described = ["blocks", "images", "samplers"].map(|kind| all(&program[kind]));
+        let mut described: Vec<u64> = described.iter().flatten().map(|own| own["binding"].as_u64().unwrap()).collect();
+        [&mut declared, &mut described].map(|numbers| numbers.sort());
+        assert_eq!(declared, described, "{}", program["name"]);
+        for block in all(&program["blocks"]) {
+            let start = format!("struct {} {{", block["name"].as_str().unwrap());
+            let members = wgsl.split(&start).nth(1).unwrap().split('}').next().unwrap();
+            let members: Vec<&str> = members.lines().filter_map(|line| Some(line.split_once(':')?.0.trim())).collect();
+            let own = all(&block["members"]);
+            assert_eq!(own.iter().map(|own| own["name"].as_str().unwrap()).collect::<Vec<_>>(), members);
+            for member in own {
+                let value = &scene["values"][member["name"].as_str().unwrap()];
+                assert_eq!(all(value).len() as u64, member["floats"].as_u64().unwrap(), "{member}");
+            }
+        }
+    }
+    for image in all(&scene["images"]) {
+        let file = own(image["file"].as_str().unwrap());
+        assert_eq!(fs::metadata(file).unwrap().len(), image["bytes"].as_u64().unwrap(), "{image}");
+    }
+}

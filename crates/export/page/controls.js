@@ -1,0 +1,97 @@
+// What a person changes: the camera by mouse, touch and keys, the time, and the parameters.
+
+const TURN = 0.4, KEY_TURN = 5, ZOOM = 1.1, ZOOMS = [0.1, 30], LONGEST = 60;
+const within = (value, [low, high]) => Math.max(low, Math.min(high, value));
+
+// Adds the controls of a scene. state: changed in place; changed: called after each change; start: gives a new state.
+export function addControls({ scene, state, start, canvas, form, changed }) {
+  const inputs = [];
+  const add = (label, help, input, read, write) => {
+    const row = document.createElement('label'), text = document.createElement('span'), output = document.createElement('output');
+    text.textContent = label;
+    row.title = help;
+    row.append(text, input, output);
+    form.append(row);
+    const show = () => {
+      input.value = read();
+      output.textContent = input.type === 'range' ? String(Number(Number(read()).toPrecision(4))) : read();
+    };
+    input.addEventListener('input', () => {
+      write(input.type === 'range' ? Number(input.value) : input.value);
+      show();
+      changed();
+    });
+    inputs.push(show);
+  };
+  const slider = ([min, max]) => Object.assign(document.createElement('input'), { type: 'range', min, max, step: 'any' });
+  const zoomed = (value) => { state.zoom = within(value, ZOOMS); };
+  add('zoom', '1 fits the object into the picture', slider(ZOOMS.map(Math.log)), () => Math.log(state.zoom),
+    (value) => zoomed(Math.exp(value)));
+  if (scene.moves) {
+    add('time', 'Seconds', slider([Math.min(0, scene.time), scene.time + LONGEST]), () => state.time, (value) => { state.time = value; });
+  }
+  for (const { name, doc, range } of scene.parameters) {
+    const input = range ? slider(range) : Object.assign(document.createElement('input'), { type: 'color' });
+    add(name, doc, input, () => state.parameters.get(name), (value) => state.parameters.set(name, value));
+  }
+  const show = () => inputs.forEach((input) => input());
+  const moved = () => { show(); changed(); };
+  const turned = (right, down) => {
+    state.azimuth -= right;
+    state.elevation = within(state.elevation + down, [-90, 90]);
+    moved();
+  };
+
+  const pointers = new Map();
+  const spread = () => {
+    const [a, b] = [...pointers.values()];
+    return Math.hypot(a.x - b.x, a.y - b.y);
+  };
+  canvas.addEventListener('pointerdown', (event) => {
+    if (event.isTrusted) canvas.setPointerCapture(event.pointerId);
+    pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+  });
+  canvas.addEventListener('pointermove', (event) => {
+    const before = pointers.get(event.pointerId);
+    if (!before) return;
+    const wide = pointers.size === 2 ? spread() : 0;
+    pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+    if (pointers.size === 1) return turned((event.clientX - before.x) * TURN, (event.clientY - before.y) * TURN);
+    if (wide > 0) zoomed(state.zoom * spread() / wide);
+    moved();
+  });
+  for (const end of ['pointerup', 'pointercancel']) canvas.addEventListener(end, (event) => pointers.delete(event.pointerId));
+  canvas.addEventListener('wheel', (event) => {
+    event.preventDefault();
+    zoomed(state.zoom * Math.exp(-event.deltaY / 500));
+    moved();
+  }, { passive: false });
+
+  const button = (label, key, act) => {
+    const own = Object.assign(document.createElement('button'), { type: 'button', textContent: label, title: `Key ${key}` });
+    own.addEventListener('click', act);
+    form.querySelector('.buttons').append(own);
+    return own;
+  };
+  const reset = () => { Object.assign(state, start(), { playing: false }); shown(); moved(); };
+  const play = () => { state.playing = !state.playing; shown(); changed(); };
+  const full = () => (document.fullscreenElement ? document.exitFullscreen() : canvas.parentElement.requestFullscreen());
+  const player = scene.moves && button('Play', 'space', play);
+  const shown = () => { if (player) player.textContent = state.playing ? 'Pause' : 'Play'; };
+  button('Reset', 'R', reset);
+  if (document.fullscreenEnabled) button('Full screen', 'F', full);
+
+  const keys = {
+    ArrowLeft: () => turned(-KEY_TURN, 0), ArrowRight: () => turned(KEY_TURN, 0), ArrowUp: () => turned(0, KEY_TURN),
+    ArrowDown: () => turned(0, -KEY_TURN), '+': () => { zoomed(state.zoom * ZOOM); moved(); },
+    '-': () => { zoomed(state.zoom / ZOOM); moved(); }, ' ': () => player && play(), r: reset, f: full,
+  };
+  canvas.addEventListener('keydown', (event) => {
+    const act = keys[event.key];
+    if (!act || event.ctrlKey || event.metaKey || event.altKey) return;
+    event.preventDefault();
+    act();
+  });
+  show();
+  return show;
+}
