@@ -51,7 +51,7 @@ pub fn page(portable: &Portable, page: &Page<'_>) -> Result<Vec<File>, ExportErr
     }
     let file = |image: &PortableImage| format!("{}.gz", image.name);
     let described = |image: &PortableImage| json!({ "packed": file(image), "left_out": left_out(image) });
-    data.par_extend(portable.images.par_iter().map(|image| (file(image), pack(image))));
+    data.par_extend(portable.images.par_iter().map(|image| (file(image), pack(portable, image))));
     data.push(("scene.json".into(), describe(portable, page.command, described).to_string().into_bytes()));
     let scene = &portable.variant.scene;
     let [width, height] = scene.image.size;
