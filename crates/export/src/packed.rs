@@ -57,7 +57,8 @@ pub(crate) fn pack(portable: &Portable, image: &PortableImage) -> Vec<u8> {
         let [x, y, z] = image.dimension.size().map(|side| (side >> level).max(1) as usize);
         let end = (first + x * y * z * bytes * channels).min(image.bytes.len());
         let texels = &image.bytes[first..end];
-        let of_channel = |channel| differences(texels, [x, y, z], bytes, (channel, channels), left_out[channel], unread.as_deref());
+        let of_channel =
+            |channel| differences(texels, [x, y, z], bytes, (channel, channels), left_out[channel], unread.as_deref());
         planes.extend((0..channels).into_par_iter().map(of_channel).collect::<Vec<_>>());
         first = end;
     }
