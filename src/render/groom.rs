@@ -86,7 +86,7 @@ pub fn fill_channel(program: &Path, groom: &mut Groom, channel: Channel, text: &
     let compiled = compile(program, &job, &Limits::default(), &|| false).map_err(|error| match error {
         CompileError::Refused(text) => {
             let first = Fault::all(&text).into_iter().next().map_or(text, |fault| fault.text);
-            CompileError::Refused(first.trim_start_matches("error: ").into())
+            CompileError::Refused(first.trim_start_matches("error: ").trim_start_matches("'' :").trim().into())
         }
         other => other,
     });

@@ -76,7 +76,7 @@ fn glb() -> Vec<u8> {
     let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
     let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
     let mut bytes = Vec::new();
-    let mesh = Mesh { positions, triangles, offset: DVec3::new(1e6, 0.0, 0.0) };
+    let mesh = Mesh { positions, triangles, offset: DVec3::new(1e6, 0.0, 0.0), ..Mesh::default() };
     MeshFormat::Glb.write(&mesh, &mut bytes).expect("memory takes all bytes");
     bytes
 }

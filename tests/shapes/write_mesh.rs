@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)] // clippy sees a test only in `#[test]`, not in what it calls
 
 use glam::{DVec3, Vec3};
-use hypertexture::shape::{Mesh, MeshFormat, Shape, read};
+use hypertexture::shape::{Looks, Mesh, MeshFormat, Shape, read};
 use proptest::prelude::*;
 use serde_json::Value;
 use std::path::Path;
@@ -37,7 +37,7 @@ fn fan(places: &[[f32; 3]], offset: DVec3) -> Mesh {
         (b - a).cross(c - a) != DVec3::ZERO
     };
     let triangles = (2..places.len() as u32).map(|last| [0, last - 1, last]).filter(has_area).collect();
-    Mesh { positions, triangles, offset }
+    Mesh { positions, triangles, offset, ..Mesh::default() }
 }
 
 #[test]
@@ -122,4 +122,22 @@ proptest! {
             prop_assert_eq!(places(&found), places(&mesh), "{}", name);
         }
     }
+}
+
+#[test]
+fn colors_of_vertices_come_back_and_codes_are_read_as_light() {
+    let mesh = fan(&[[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 0.5, 0.0]], DVec3::ZERO);
+    let colors = vec![[1.0, 0.0, 0.5], [0.25, 1.0, 0.0], [0.0, 0.0, 0.75]];
+    let looks = Looks { normals: vec![Vec3::Z; 3], colors: colors.clone() };
+    for (format, name) in &FORMATS[1..] {
+        let mut bytes = Vec::new();
+        format.write_with(&mesh, Some(&looks), &mut bytes).unwrap();
+        let read = again(name, &bytes).colors;
+        let apart = read.iter().flatten().zip(colors.iter().flatten()).map(|(a, b)| (a - b).abs());
+        assert!(read.len() == 3 && apart.fold(0.0, f32::max) < 0.01, "{name}: {read:?}");
+    }
+    // 188 of 255 in sRGB is half of the light; a number that is none counts as 0, and a mesh without colors has none.
+    let obj = again("a.obj", b"v 0 0 0 0.7373 nan 2\nv 1 0 0 1 1 1\nv 0 1 0 1 1 1\nf 1 2 3\n").colors;
+    assert!((obj[0][0] - 0.503).abs() < 1e-3 && obj[0][1..] == [0.0, 1.0], "{obj:?}");
+    assert!(again("a.obj", b"v 0 0 0 1 1 1\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").colors.is_empty());
 }

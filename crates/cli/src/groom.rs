@@ -1,12 +1,14 @@
-//! `groom`: what is painted on an object, from expressions.
+//! `groom`: what is painted on an object, from expressions and from files.
 
 use super::scene_arguments::{ObjectFlags, SceneArguments, files_read};
-use super::{absolute, say};
+use super::{absolute, say, with_progress};
 use clap::Args;
+use hypertexture::field::Progress;
+use hypertexture::glam::Vec3;
 use hypertexture::output;
-use hypertexture::render::{Channel, fill_channel};
+use hypertexture::render::{Channel, Subject, fill_channel};
 use hypertexture::scene::Scene;
-use hypertexture::shape::Groom;
+use hypertexture::shape::{self, Groom, Shape};
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use support::write_whole_by;
@@ -19,13 +21,13 @@ pub struct GroomArguments {
     /// Output.
     #[arg(long, short, default_value = "groom.nrrd", value_name = "FILE")]
     pub output: PathBuf,
-    /// Factor of the length, 0 to 2: an expression in GLSL of x, y, z and p in object space, such as "y > 0.2 ? 0.3 : 1.0".
+    /// Factor of the length, 0 to 2: an expression in GLSL of x, y, z and p in object space, such as "y > 0.2 ? 0.3 : 1.0", or a volume.
     #[arg(long, value_name = "EXPRESSION", allow_hyphen_values = true)]
     pub length: Option<String>,
     /// Factor of the density, 0 to 2.
     #[arg(long, value_name = "EXPRESSION", allow_hyphen_values = true)]
     pub density: Option<String>,
-    /// Color: 0 is black, 1 the effect's own, 2 full; such as "vec3(2, 1, 1)".
+    /// Color: 0 is black, 1 the effect's own, 2 full; such as "vec3(2, 1, 1)", or a mesh with colors of its vertices.
     #[arg(long, value_name = "EXPRESSION", allow_hyphen_values = true)]
     pub color: Option<String>,
     /// Tangent along which strands are combed, -1 to 1 along each axis.
@@ -64,8 +66,22 @@ pub(super) fn run(command: &GroomArguments, quiet: bool) -> Result<(), Box<dyn E
     };
     let (program, texts) =
         (std::env::current_exe()?, [&command.length, &command.density, &command.color, &command.direction]);
+    let mut subject = None;
     for (channel, text) in Channel::ALL.into_iter().zip(texts) {
         let Some(text) = text else { continue };
+        if Path::new(text).is_file() {
+            let subject = match &subject {
+                Some(subject) => subject,
+                None => {
+                    let bare = Scene { groom: None, ..scene.clone() };
+                    let (variant, library) = super::checked(&bare)?;
+                    let load = |progress: Progress<'_>| Subject::load(&variant, &library, progress);
+                    subject.insert(with_progress(quiet, "distance field", load)?)
+                }
+            };
+            fill_from_file(&mut groom, channel, text, subject, &scene)?;
+            continue;
+        }
         fill_channel(&program, &mut groom, channel, text).map_err(|error| format!("--{}: {error}", channel.name()))?;
     }
     write_whole_by(path, |file| groom.write(file))
@@ -80,4 +96,41 @@ pub(super) fn run(command: &GroomArguments, quiet: bool) -> Result<(), Box<dyn E
         ));
     }
     Ok(())
+}
+
+/// Voxels around painted points that get their color: more than filters read.
+const GROWN: u32 = 4;
+
+/// Fills a channel from a file in the axes and units of the object: length and density from a volume, color from a mesh.
+fn fill_from_file(
+    groom: &mut Groom,
+    channel: Channel,
+    file: &str,
+    subject: &Subject,
+    scene: &Scene,
+) -> Result<(), Box<dyn Error>> {
+    let (up, flag) = (scene.object.up, channel.name());
+    match (channel, shape::open(file)?) {
+        (Channel::Color, Shape::Mesh(mesh)) if !mesh.colors.is_empty() => {
+            let moved = mesh.offset - subject.offset;
+            let place = |p: Vec3| (up.turned(p.as_dvec3() + moved).as_vec3() - subject.center) * subject.scale;
+            let spacing = 0.5 * groom.step() / subject.scale;
+            let points = mesh.colored_points(spacing).map(|(point, color)| (place(point), color));
+            groom.color(points, GROWN);
+            Ok(())
+        }
+        (Channel::Color, _) => Err(format!("--{flag} {file}: it is no mesh with colors of its vertices").into()),
+        (Channel::Length | Channel::Density, Shape::Volume(volume)) => {
+            let (first, _) = channel.place();
+            for index in 0..groom.voxels() {
+                let place = subject.center + groom.place(index) / subject.scale;
+                let mut voxel = groom.at(index);
+                voxel[first] =
+                    volume.sample(up.turned_back(place.as_dvec3()).as_vec3()).unwrap_or(Groom::NEUTRAL[first]);
+                groom.set(index, voxel);
+            }
+            Ok(())
+        }
+        _ => Err(format!("--{flag} {file}: it is no volume; write an expression, or name a volume").into()),
+    }
 }

@@ -50,6 +50,11 @@ impl Groom {
         self.side
     }
 
+    /// Side of a voxel, object units.
+    pub fn step(&self) -> f32 {
+        2.0 * REACH / self.side as f32
+    }
+
     /// Number of voxels.
     pub fn voxels(&self) -> usize {
         self.voxels.len()
@@ -91,6 +96,39 @@ impl Groom {
     pub fn texels(&self, channels: [usize; 4]) -> Vec<u8> {
         let values = self.voxels.iter().flat_map(|voxel| channels.map(|channel| voxel[channel]));
         values.flat_map(f16::to_ne_bytes).collect()
+    }
+
+    /// Paints colors of the surface: the voxels that hold points of it, with their mean color, and those up to `grown` voxels
+    /// away, with the mean of their painted neighbors. Points are places in object space with linear RGB.
+    pub fn color(&mut self, points: impl Iterator<Item = (Vec3, [f32; 3])>, grown: u32) {
+        let side = self.side as usize;
+        let mut sums = vec![[0.0_f32; 4]; self.voxels.len()];
+        for (place, [r, g, b]) in points {
+            let at = ((place / REACH + 1.0) * (0.5 * side as f32)).floor();
+            if at.cmpge(Vec3::ZERO).all() && at.cmplt(Vec3::splat(side as f32)).all() {
+                let [x, y, z] = at.to_array().map(|axis| axis as usize);
+                let sum = &mut sums[(z * side + y) * side + x];
+                [r, g, b, 1.0].into_iter().zip(sum).for_each(|(value, sum)| *sum += value);
+            }
+        }
+        for _ in 0..grown {
+            let before = sums.clone();
+            for (index, sum) in sums.iter_mut().enumerate().filter(|(_, sum)| sum[3] == 0.0) {
+                let at = [index % side, index / side % side, index / side / side];
+                for (axis, stride) in [1, side, side * side].into_iter().enumerate() {
+                    let below = (at[axis] > 0).then(|| before[index - stride]);
+                    let above = (at[axis] + 1 < side).then(|| before[index + stride]);
+                    for near in [below, above].into_iter().flatten().filter(|near| near[3] > 0.0) {
+                        near.into_iter().zip(&mut *sum).for_each(|(value, sum)| *sum += value / near[3]);
+                    }
+                }
+            }
+        }
+        for (index, [r, g, b, count]) in sums.into_iter().enumerate().filter(|(_, sum)| sum[3] > 0.0) {
+            let mut voxel = self.at(index);
+            voxel[2..5].copy_from_slice(&[r, g, b].map(|sum| 2.0 * sum / count));
+            self.set(index, voxel);
+        }
     }
 
     /// Reads a file.
@@ -137,7 +175,7 @@ impl Groom {
     /// # Errors
     /// Errors of `to`.
     pub fn write(&self, mut to: impl Write) -> io::Result<()> {
-        let (n, step) = (self.side, 2.0 * REACH / self.side as f32);
+        let (n, step) = (self.side, self.step());
         writeln!(to, "NRRD0005\n# channels {} in units of 1/{UNIT}", Groom::CHANNELS.join(", "))?;
         writeln!(to, "type: short\ndimension: 4\nspace dimension: 3\nsizes: 8 {n} {n} {n}")?;
         writeln!(to, "space directions: none ({step},0,0) (0,{step},0) (0,0,{step})")?;
@@ -207,6 +245,31 @@ impl Header {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Mesh;
+
+    #[test]
+    fn colored_points_paint_their_voxels_and_those_around_them() {
+        let mut groom = Groom::unpainted("a", 32);
+        let at = (16 * 32 + 16) * 32 + 16;
+        let mesh = Mesh {
+            positions: vec![groom.place(at), groom.place(at + 1), groom.place(at + 32)],
+            triangles: vec![[0, 1, 2]],
+            colors: vec![[0.25, 0.5, 1.0], [0.25, 0.5, 0.0], [0.25, 0.5, 0.0]],
+            ..Mesh::default()
+        };
+        let points: Vec<_> = mesh.colored_points(0.1 * groom.step()).collect();
+        // Linear in between, and nowhere else.
+        for (point, [.., blue]) in &points {
+            let [u, v, w] = ((*point - mesh.positions[0]) / groom.step()).to_array();
+            assert!((blue - (1.0 - u - v)).abs() < 1e-4 && w.abs() < 1e-4 && u + v < 1.0001);
+        }
+        groom.color(points.into_iter(), 2);
+        let color = |index: usize| groom.at(index)[2..5].to_vec();
+        assert_eq!(color(at)[..2], [0.5, 1.0]);
+        assert!(color(at)[2] > 1.2 && color(at + 1)[2] < 0.8, "{:?} {:?}", color(at), color(at + 1));
+        assert_eq!(color(at + 2 * 1024)[..2], [0.5, 1.0], "two voxels away");
+        assert_eq!(color(at + 3 * 1024), [1.0; 3], "three voxels away");
+    }
 
     #[test]
     fn a_groom_is_read_back_and_a_file_of_another_kind_is_refused() {

@@ -22,6 +22,17 @@ impl Looks {
     }
 }
 
+/// A channel of a color within \[0, 1\]; 0 for NaN.
+pub(super) fn channel(value: f64) -> f32 {
+    if value > 0.0 { value.min(1.0) as f32 } else { 0.0 }
+}
+
+/// Linear light of a channel in sRGB.
+pub(super) fn linear(code: f64) -> f32 {
+    let code = channel(code);
+    if code <= 0.040_45 { code / 12.92 } else { ((code + 0.055) / 1.055).powf(2.4) }
+}
+
 impl Mesh {
     /// Unit normal of each vertex: the mean of its triangles' by their angles (Thürmer and Wüthrich 1998); 0 without triangles.
     pub fn vertex_normals(&self) -> Vec<Vec3> {

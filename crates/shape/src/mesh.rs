@@ -18,6 +18,8 @@ pub struct Mesh {
     pub positions: Vec<Vec3>,
     /// Corner indices into `positions`, all in range; triangles of zero area have been dropped.
     pub triangles: Vec<[u32; 3]>,
+    /// Color of each vertex, linear RGB; empty for a mesh without.
+    pub colors: Vec<[f32; 3]>,
     /// Offset subtracted from the coordinates of the file before they became f32.
     ///
     /// Zero on each axis along which the mesh reaches at most 16 times the longest side of its box from the origin. On the
@@ -51,6 +53,23 @@ impl Mesh {
     /// Panics where `index` is not below `triangles.len()`.
     pub fn corners(&self, index: usize) -> [Vec3; 3] {
         self.triangles[index].map(|corner| self.positions[corner as usize])
+    }
+
+    /// Points of its triangles with their colors, at most `spacing` apart, world units; none without colors.
+    pub fn colored_points(&self, spacing: f32) -> impl Iterator<Item = (Vec3, [f32; 3])> + '_ {
+        let colored = self.triangles.iter().enumerate().filter(|_| self.colors.len() == self.positions.len());
+        colored.flat_map(move |(index, triangle)| {
+            let corners @ [a, b, c] = self.corners(index);
+            let longest = (b - a).length().max((c - b).length()).max((a - c).length());
+            let steps = (longest / spacing).ceil().clamp(1.0, 4096.0) as u32;
+            let colors = triangle.map(|corner| Vec3::from(self.colors[corner as usize]));
+            let pairs = (0..=steps).flat_map(move |u| (0..=steps - u).map(move |v| [u, v]));
+            pairs.map(move |pair| {
+                let [u, v] = pair.map(|part| part as f32 / steps as f32);
+                let mix = |[a, b, c]: [Vec3; 3]| a + (b - a) * u + (c - a) * v;
+                (mix(corners), mix(colors).to_array())
+            })
+        })
     }
 
     /// Edges used by exactly one triangle once vertices at equal positions are one vertex; 0 for a closed mesh.
@@ -98,7 +117,16 @@ impl Mesh {
     /// The mesh without triangles of zero area and without unused positions, and the number of dropped triangles.
     ///
     /// Positions become f32 relative to [`Mesh::offset`]. Every index must be below `positions.len()`.
-    pub(super) fn cleaned<P: Copy + Into<DVec3>>(positions: &[P], mut triangles: Vec<[u32; 3]>) -> (Mesh, usize) {
+    pub(super) fn cleaned<P: Copy + Into<DVec3>>(positions: &[P], triangles: Vec<[u32; 3]>) -> (Mesh, usize) {
+        Mesh::cleaned_with_colors(positions, &[], triangles)
+    }
+
+    /// [`Mesh::cleaned`] with the color of each position, or without colors.
+    pub(super) fn cleaned_with_colors<P: Copy + Into<DVec3>>(
+        positions: &[P],
+        colors: &[[f32; 3]],
+        mut triangles: Vec<[u32; 3]>,
+    ) -> (Mesh, usize) {
         const UNUSED: u32 = u32::MAX;
         let before = triangles.len();
         let place = |corner: u32| -> DVec3 { positions[corner as usize].into() };
@@ -109,18 +137,19 @@ impl Mesh {
             (b - a).cross(c - a) != DVec3::ZERO
         });
         let mut renumbered = vec![UNUSED; positions.len()];
-        let mut kept = Vec::with_capacity(positions.len());
+        let (mut kept, mut kept_colors) = (Vec::with_capacity(positions.len()), Vec::new());
         for corner in triangles.iter_mut().flatten() {
             let new = &mut renumbered[*corner as usize];
             if *new == UNUSED {
                 *new = kept.len() as u32;
                 kept.push(near(*corner));
+                kept_colors.extend(colors.get(*corner as usize));
             }
             *corner = *new;
         }
         kept.shrink_to_fit();
         let dropped = before - triangles.len();
-        (Mesh { positions: kept, triangles, offset }, dropped)
+        (Mesh { positions: kept, triangles, colors: kept_colors, offset }, dropped)
     }
 
     /// The mesh of triangles given as three corners each; equal corners are welded.

@@ -5,6 +5,7 @@
 //! numbers, splits vertices between objects, refuses comments that are not UTF-8 or follow data, and accepts NaN.
 
 use super::error::{Location, ShapeError, quoted};
+use super::looks::linear;
 use super::polygon::{self, triangulate};
 use super::source::{MAX_LINE, Source, check_positions, number, tokens};
 use super::{MAX_TRIANGLES, Mesh, Shape};
@@ -12,10 +13,11 @@ use glam::DVec3;
 
 /// Reads positions and faces; polygons are triangulated.
 ///
-/// Normals, texture coordinates, colors, materials, groups, points, lines and fourth coordinates (weights of control points)
+/// Colors follow coordinates, as many programs write them. Normals, texture coordinates, materials, groups, points, lines and fourth coordinates (weights of control points)
 /// are skipped. Curved surfaces are refused.
 pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     let mut positions: Vec<DVec3> = Vec::new();
+    let mut colors: Vec<[f32; 3]> = Vec::new();
     let mut triangles: Vec<[u32; 3]> = Vec::new();
     let mut polygon: Vec<u32> = Vec::new();
     let mut statement = Vec::new();
@@ -25,7 +27,9 @@ pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
         let mut words = tokens(&statement);
         match words.next() {
             Some(b"v") => {
-                positions.push(position(source, words)?);
+                positions.push(position(source, &mut words)?);
+                let rest: Vec<f64> = words.filter_map(number).collect();
+                colors.extend(matches!(rest[..], [_, _, _]).then(|| [rest[0], rest[1], rest[2]].map(linear)));
                 // Three vertices for each triangle, and never more than a u32 can count.
                 source.check_triangles((positions.len() as u64).div_ceil(3))?;
             }
@@ -58,7 +62,11 @@ pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     check_positions(&source.file, "vertices", &positions)?;
     let unread =
         foreign.map_or(String::new(), |(word, line)| format!("; {word} in line {line} is not an OBJ statement"));
-    source.finish(Mesh::cleaned(&positions, triangles), format!("{} vertices and no face{unread}", positions.len()))
+    let colors = if colors.len() == positions.len() { colors } else { Vec::new() };
+    source.finish(
+        Mesh::cleaned_with_colors(&positions, &colors, triangles),
+        format!("{} vertices and no face{unread}", positions.len()),
+    )
 }
 
 /// Keywords of skipped statements.
@@ -95,7 +103,7 @@ fn next_part(source: &mut Source, part: &mut Vec<u8>) -> Result<bool, ShapeError
     Ok(is_there)
 }
 
-fn position<'a>(source: &Source, mut words: impl Iterator<Item = &'a [u8]>) -> Result<DVec3, ShapeError> {
+fn position<'a>(source: &Source, words: &mut impl Iterator<Item = &'a [u8]>) -> Result<DVec3, ShapeError> {
     let mut xyz = [0.0; 3];
     for x in &mut xyz {
         let word = words.next().unwrap_or_default();

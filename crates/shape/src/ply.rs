@@ -4,6 +4,7 @@
 //! declared count. Source: G. Turk, "The PLY polygon file format", Stanford, 1994.
 
 use super::error::{Found, Location, ShapeError, quoted};
+use super::looks::linear;
 use super::polygon::{self, triangulate};
 use super::source::{Source, check_positions, number, tokens};
 use super::{MAX_TRIANGLES, Mesh, SampleType, Shape};
@@ -17,7 +18,7 @@ pub(super) fn recognizes(start: &[u8], _len: u64) -> bool {
 
 /// Reads positions, faces and strips; properties may have any order and type.
 ///
-/// Normals, colors, texture coordinates and other elements are skipped.
+/// Normals, texture coordinates and other elements are skipped.
 pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     let header = Header::read(source)?;
     let mut parts = Parts::default();
@@ -260,6 +261,8 @@ impl Values<'_, '_> {
 #[derive(Default)]
 struct Parts {
     positions: Vec<DVec3>,
+    /// Colors of the vertices, linear RGB; empty without.
+    colors: Vec<[f32; 3]>,
     /// Corners of all faces and strips.
     corners: Vec<u32>,
     /// Number of corners, and whether it is a strip.
@@ -277,9 +280,21 @@ impl Parts {
         };
         let properties = [property("x")?, property("y")?, property("z")?];
         values.source.check_triangles(element.count.div_ceil(3))?;
+        let colors = ["red", "green", "blue"].map(|name| element.find(&[name], false));
+        // Whole numbers are codes of sRGB up to the largest of their type.
+        let full = |place: usize| match element.properties[place].kind {
+            SampleType::U8 => 255.0,
+            SampleType::U16 => 65535.0,
+            _ => 1.0,
+        };
         for _ in 0..element.count {
-            let mut position = [0.0; 3];
+            let (mut position, mut color) = ([0.0; 3], [0.0; 3]);
             values.element(element, |place, value| {
+                for (channel, own) in colors.iter().enumerate() {
+                    if *own == Some(place) {
+                        color[channel] = linear(value / full(place));
+                    }
+                }
                 for (axis, own) in properties.iter().enumerate() {
                     if *own == place {
                         position[axis] = value;
@@ -287,6 +302,7 @@ impl Parts {
                 }
             })?;
             self.positions.push(DVec3::from(position));
+            self.colors.extend(colors.iter().all(Option::is_some).then_some(color));
         }
         Ok(())
     }
@@ -351,7 +367,10 @@ impl Parts {
         if short > 0 {
             source.note(format!("faces and strips of fewer than 3 corners are left out: {short}"));
         }
-        source.finish(Mesh::cleaned(&self.positions, triangles), format!("{count} vertices and no face"))
+        source.finish(
+            Mesh::cleaned_with_colors(&self.positions, &self.colors, triangles),
+            format!("{count} vertices and no face"),
+        )
     }
 }
 

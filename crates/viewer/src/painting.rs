@@ -15,6 +15,8 @@ use support::{disk_cache, write_whole_by};
 
 /// Versions in memory; others are read from their files.
 const KEPT: usize = 8;
+/// Versions on disk: more than undo steps.
+const FILES: usize = 1024;
 /// Voxels along a side of a new groom.
 const SIDE: u32 = 96;
 /// Distance between touches of a stroke, in radii of the brush.
@@ -144,6 +146,7 @@ impl Painting {
         let path = Path::new(&file);
         let folder = fs::create_dir_all(path.parent().unwrap_or(Path::new(".")));
         let written = folder.and_then(|()| write_whole_by(path, |to| groom.write(to)));
+        sweep();
         written.map_err(|error| format!("{file}: {error}; the stroke is not kept"))
     }
 }
@@ -155,6 +158,15 @@ pub(crate) fn is_version(file: &str) -> bool {
 
 fn folder() -> Option<PathBuf> {
     Some(disk_cache::default_folder()?.join("grooms"))
+}
+
+/// Removes the oldest versions on disk.
+fn sweep() {
+    let entries = folder().and_then(|folder| fs::read_dir(folder).ok()).into_iter().flatten();
+    let mut files: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    files.sort();
+    files.truncate(files.len().saturating_sub(FILES));
+    files.iter().filter_map(|file| fs::remove_file(file).err()).for_each(|error| log::debug!("{error}"));
 }
 
 /// A file name that no version has.

@@ -151,7 +151,7 @@ fn surface(
     });
     let found: Vec<[DVec3; 2]> = chunks.collect::<Result<Vec<_>, ExactError>>()?.concat();
     let positions = found.iter().map(|[place, _]| world(subject, &variant.scene.object, *place)).collect();
-    let mesh = Mesh { positions, triangles: set.triangles, offset: subject.offset };
+    let mesh = Mesh { positions, triangles: set.triangles, offset: subject.offset, ..Mesh::default() };
     Ok((mesh, found.into_iter().map(|[_, inside]| inside).collect()))
 }
 

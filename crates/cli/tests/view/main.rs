@@ -6,8 +6,10 @@
 mod displays;
 mod hands;
 
+use hypertexture::glam::Vec3;
 use hypertexture::output::read_provenance;
 use hypertexture::scene::{self, Reach};
+use hypertexture::shape::Groom;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
@@ -492,6 +494,27 @@ fn a_drag_with_ctrl_moves_the_light_and_nothing_else() {
     let [to, from] = [&now, &before].map(|scene| scene.light.position);
     assert!(to[0] > from[0] + 0.1 * length(from) && (length(to) / length(from) - 1.0).abs() < 1e-5, "{from:?} {to:?}");
     assert_eq!(now.camera, before.camera);
+}
+
+#[test]
+#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
+fn a_stroke_is_painted_and_undone_as_one_step_and_saved_beside_the_scene() {
+    let (display, folder) = (Display::new(), tempfile::tempdir().unwrap());
+    let file = folder.path().join("cut.toml");
+    let script = format!(
+        "wait drawn\nclick Groom\nframes 3\nclick brush.cut\nframes 2\ndrag 0.45 0.5 0.55 0.5\nwait drawn\n\
+         drag 0.5 0.4 0.5 0.6\nwait drawn\nkey Z\nframes 2\nclick File\nframes 2\nwrite file.scene {}\n\
+         click file.save\nframes 3\nquit\n",
+        file.display()
+    );
+    play(&display, folder.path(), &["sphere", "--camera", "0,0", "--window", "900x600"], &script);
+    let scene = scene::load(&file, Reach::Beside).unwrap();
+    assert_eq!(scene.camera.rotation, None, "a stroke turns nothing");
+    let groom = Groom::read(Path::new(&scene.groom.unwrap())).unwrap();
+    let cut = (0..groom.voxels()).filter(|index| groom.at(*index) != Groom::NEUTRAL).map(|index| groom.place(index));
+    let (low, high) = cut.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+    // Along x on the front of the ball, by a brush of radius 0.15; without the stroke along y.
+    assert!(high.x - low.x > 0.35 && high.z > 0.9 && low.y > -0.16 && high.y < 0.16, "{low} to {high}");
 }
 
 #[test]

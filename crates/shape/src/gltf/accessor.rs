@@ -60,7 +60,11 @@ impl<'a, const N: usize> Elements<'a, N> {
         let source = data.source;
         let accessor = entry(source, &data.document.accessors, index, place)?;
         let at = |field: &str| format!("accessors[{index}].{field}");
-        let (kind, expected) = if N == 1 { ("SCALAR", "`SCALAR`") } else { ("VEC3", "`VEC3`") };
+        let (kind, expected) = match N {
+            1 => ("SCALAR", "`SCALAR`"),
+            4 => ("VEC4", "`VEC4`"),
+            _ => ("VEC3", "`VEC3`"),
+        };
         if accessor.kind != kind {
             return Err(malformed(source, at("type"), expected, quoted(accessor.kind.as_bytes())));
         }

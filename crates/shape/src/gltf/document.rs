@@ -91,6 +91,8 @@ pub struct Primitive {
 pub struct Attributes {
     #[serde(rename = "POSITION")]
     pub position: Option<u32>,
+    #[serde(rename = "COLOR_0")]
+    pub color: Option<u32>,
 }
 
 #[derive(Deserialize)]

@@ -15,6 +15,10 @@ use std::collections::HashMap;
 #[derive(Default)]
 pub struct MeshPart {
     pub positions: Vec<DVec3>,
+    /// Linear RGB of each position; white where a primitive has no colors.
+    pub colors: Vec<[f32; 3]>,
+    /// Whether a primitive has colors.
+    pub is_colored: bool,
     pub triangles: Vec<[u32; 3]>,
     /// Dropped triangles.
     pub zero_area: usize,
@@ -26,6 +30,38 @@ pub struct MeshPart {
     pub leftover_corners: usize,
     /// Whether there are morph targets.
     pub morphs: bool,
+}
+
+/// Colors of vertices, with opacity or without.
+enum Colors<'a> {
+    Rgb(Elements<'a, 3>),
+    Rgba(Elements<'a, 4>),
+}
+
+impl<'a> Colors<'a> {
+    fn read(data: &'a Data, index: u32, place: impl Fn() -> String) -> Result<Colors<'a>, ShapeError> {
+        let kind = data.document.accessors.get(index as usize).map(|accessor| accessor.kind.as_str());
+        Ok(match kind {
+            Some("VEC4") => Colors::Rgba(Elements::read(data, index, &[F32, U8, U16], place)?),
+            _ => Colors::Rgb(Elements::read(data, index, &[F32, U8, U16], place)?),
+        })
+    }
+
+    fn count(&self) -> u64 {
+        match self {
+            Colors::Rgb(elements) => elements.count,
+            Colors::Rgba(elements) => elements.count,
+        }
+    }
+
+    /// Linear RGB.
+    fn get(&self, index: u64) -> [f32; 3] {
+        let [r, g, b] = match self {
+            Colors::Rgb(elements) => elements.get(index),
+            Colors::Rgba(elements) => elements.get(index).first_chunk().copied().unwrap_or_default(),
+        };
+        [r, g, b].map(crate::looks::channel)
+    }
 }
 
 impl MeshPart {
@@ -64,6 +100,9 @@ impl MeshPart {
         };
         let place = || at(".attributes.POSITION");
         let positions = Elements::<3>::read(data, position, &[F32, I8, U8, I16, U16], place)?;
+        let colors = primitive.attributes.color.map(|index| Colors::read(data, index, || at(".attributes.COLOR_0")));
+        let colors = colors.transpose()?.filter(|colors| colors.count() >= positions.count);
+        self.is_colored |= colors.is_some();
         let indices =
             primitive.indices.map(|index| Elements::<1>::read(data, index, &[U8, U16, U32], || at(".indices")));
         let indices = indices.transpose()?;
@@ -102,6 +141,7 @@ impl MeshPart {
             let mut kept = |corner: u64, position: DVec3| {
                 *renumbered.entry(corner).or_insert_with(|| {
                     self.positions.push(position);
+                    self.colors.push(colors.as_ref().map_or([1.0; 3], |colors| colors.get(corner)));
                     self.positions.len() as u32 - 1
                 })
             };

@@ -35,7 +35,7 @@ pub(crate) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     let found = scene::read(&Data::new(source, &document, binary))?;
     let holds = if found.notes.is_empty() { "no mesh in the scene".into() } else { found.notes.join("; ") };
     found.notes.into_iter().for_each(|note| source.note(note));
-    let (mesh, zero_area) = Mesh::cleaned(&found.positions, found.triangles);
+    let (mesh, zero_area) = Mesh::cleaned_with_colors(&found.positions, &found.colors, found.triangles);
     source.finish((mesh, zero_area + found.zero_area), holds)
 }
 

@@ -15,6 +15,8 @@ const MAX_LENGTH_ERROR: f64 = 0.01;
 /// All triangles of a scene.
 pub struct SceneMesh {
     pub positions: Vec<DVec3>,
+    /// Linear RGB of each position; empty without colors.
+    pub colors: Vec<[f32; 3]>,
     pub triangles: Vec<[u32; 3]>,
     /// Dropped triangles.
     pub zero_area: usize,
@@ -117,12 +119,16 @@ pub fn read(data: &Data) -> Result<SceneMesh, ShapeError> {
     ];
     let mut found = SceneMesh {
         positions: Vec::with_capacity(positions),
+        colors: Vec::new(),
         triangles: Vec::with_capacity(triangles),
         zero_area: 0,
         notes: Vec::new(),
     };
     for (mesh, world) in shown {
         parts[mesh as usize].iter().for_each(|part| found.add(part, world));
+    }
+    if !parts.iter().flatten().any(|part| part.is_colored) {
+        found.colors.clear();
     }
     let notes = texts.iter().zip(counts).filter(|(_, count)| *count > 0);
     found.notes = notes.map(|(text, count)| format!("{text}: {count}")).collect();
@@ -134,6 +140,7 @@ impl SceneMesh {
     fn add(&mut self, part: &MeshPart, world: DAffine3) {
         let (first, mirrored) = (self.positions.len() as u32, world.matrix3.determinant() < 0.0);
         self.positions.extend(part.at(world));
+        self.colors.extend(&part.colors);
         self.triangles.extend(part.triangles.iter().map(|triangle| {
             let [a, b, c] = triangle.map(|corner| first + corner);
             if mirrored { [a, c, b] } else { [a, b, c] }

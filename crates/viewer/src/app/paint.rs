@@ -12,7 +12,7 @@ const CORNERS: u16 = 48;
 const HALF: f32 = 0.541;
 
 impl App {
-    /// Paints where a drag goes; returns whether the brush owns the drag.
+    /// Paints where a drag goes; returns whether the brush owns the drag. One that begins beside the object turns it.
     pub(super) fn paint(&mut self, ui: &Ui, response: &Response) -> bool {
         let modifiers = ui.input(|input| input.modifiers);
         let is_free = !modifiers.shift && !modifiers.command && response.dragged_by(PointerButton::Primary);
@@ -22,26 +22,26 @@ impl App {
         if !begins && !is_stroke {
             return false;
         }
-        let at = if begins { ui.input(|input| input.pointer.press_origin()) } else { response.interact_pointer_pos() };
-        if let Some((place, normal)) = at.and_then(|at| self.surface_at(at)) {
-            if begins {
-                match self.panels.painting.begin(self.model.scene(), place, normal) {
-                    Ok(file) => {
-                        if !self.model.edit("groom", |scene| scene.groom = Some(file)) {
-                            self.panels.painting.cancel();
-                        }
+        let pressed = ui.input(|input| input.pointer.press_origin()).filter(|_| begins);
+        let at = pressed.or(response.interact_pointer_pos());
+        match at.and_then(|at| self.surface_at(at)) {
+            None if begins => return false,
+            Some((place, normal)) if begins => match self.panels.painting.begin(self.model.scene(), place, normal) {
+                Ok(file) => {
+                    if !self.model.edit("groom", |scene| scene.groom = Some(file)) {
+                        self.panels.painting.cancel();
                     }
-                    Err(reason) => self.fail(reason),
                 }
-            } else {
-                self.panels.painting.go(place, normal);
-            }
+                Err(reason) => self.fail(reason),
+            },
+            Some((place, normal)) => self.panels.painting.go(place, normal),
+            None => {}
         }
         if response.drag_stopped() || is_touch {
             self.panels.painting.end().unwrap_or_else(|reason| self.fail(reason));
             self.model.end_undo_group();
         }
-        begins || is_stroke
+        true
     }
 
     /// Place and normal of the surface under a position of the window.
