@@ -43,14 +43,30 @@ pub struct Mesh {
 
 /// Polygonizes the surface and writes it.
 pub(super) fn run(command: &Mesh, quiet: bool) -> Result<(), Box<dyn Error>> {
-    let path = &command.output;
-    let known = MeshFormat::from_path(path);
-    let format = known.ok_or_else(|| format!("--output {}: end the name in {MESH_ENDS}", path.display()))?;
+    command.format()?;
     let scene = command.arguments.scene_and_base(&command.input, &command.object)?.0;
-    let scenes = command.times.scenes(&scene, path)?;
+    export(command, &scene, super::checked(&scene)?, quiet)
+}
+
+impl Mesh {
+    fn format(&self) -> Result<MeshFormat, String> {
+        let path = &self.output;
+        let known = MeshFormat::from_path(path);
+        known.ok_or_else(|| format!("--output {}: end the name in {MESH_ENDS}", path.display()))
+    }
+}
+
+/// Polygonizes the surface of a checked scene and writes it.
+pub(super) fn export(
+    command: &Mesh,
+    scene: &Scene,
+    (variant, library): (Variant, Library),
+    quiet: bool,
+) -> Result<(), Box<dyn Error>> {
+    let format = command.format()?;
+    let scenes = command.times.scenes(scene, &command.output)?;
     let outputs = || scenes.iter().map(|(_, path)| ("--output", path.clone()));
-    output::check_all(outputs(), files_read(&command.input, &scene))?;
-    let (variant, library) = super::checked(&scene)?;
+    output::check_all(outputs(), files_read(&command.input, scene))?;
     super::try_modules(&variant, &library, None)?;
     if scene.camera.clip.is_some() {
         ::log::warn!("camera.clip cuts pictures; the mesh is whole");

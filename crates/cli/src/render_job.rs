@@ -1,7 +1,8 @@
-//! The job of the window that renders final pictures.
+//! The job of the window that renders final pictures and exports meshes and volumes.
 
 use super::args::{Arguments, Command};
 use super::render::render;
+use super::{mesh, volume};
 use clap::Parser;
 use hypertexture::gpu::Options;
 use hypertexture::render::variant::Variant;
@@ -11,7 +12,7 @@ use std::io;
 use support::jobs::Parent;
 use viewer::RenderJob;
 
-/// Renders the pictures of a request, with modules whose text may be in no file.
+/// Writes the files of a request, with modules whose text may be in no file.
 pub fn serve(mut parent: Parent, options: &Options) -> io::Result<()> {
     parent.give_way();
     let Some(job) = parent.request()? else { return Ok(()) };
@@ -19,9 +20,16 @@ pub fn serve(mut parent: Parent, options: &Options) -> io::Result<()> {
 }
 
 fn render_job(job: RenderJob, options: &Options) -> Result<(), Box<dyn Error>> {
-    let Command::Render(command) = Arguments::try_parse_from(job.command)?.command else { return Ok(()) };
     let scene = scene::parse(&job.scene, "scene")?;
     let library = shader::shipped_with(job.changed).compiled_by(&std::env::current_exe()?);
-    let (variant, base) = (Variant::of(&scene, &library)?, scene::nearest_preset(&scene));
-    render(&command, options, true, (scene, variant, base, library))
+    let variant = Variant::of(&scene, &library)?;
+    match Arguments::try_parse_from(job.command)?.command {
+        Command::Render(command) => {
+            let base = scene::nearest_preset(&scene);
+            render(&command, options, true, (scene, variant, base, library))
+        }
+        Command::Mesh(command) => mesh::export(&command, &scene, (variant, library), true),
+        Command::Volume(command) => volume::export(&command, options, &scene, (variant, library), true),
+        _ => Err("the window asks for no such file".into()),
+    }
 }

@@ -51,19 +51,37 @@ pub struct Volume {
 
 /// Evaluates the voxels of each frame and writes them.
 pub(super) fn run(command: &Volume, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
-    let path = &command.output;
-    let format = match VolumeFormat::from_path(path) {
-        Some(format @ (VolumeFormat::OpenVdb | VolumeFormat::Nrrd | VolumeFormat::Npy)) => format,
-        _ => return Err(format!("--output {}: end the name in .vdb, .nrrd or .npy", path.display()).into()),
-    };
-    if command.half && format != VolumeFormat::OpenVdb {
-        return Err(format!("--half: {} holds 32-bit floats; write a .vdb", path.display()).into());
-    }
+    command.format()?;
     let scene = command.arguments.scene_and_base(&command.input, &command.object)?.0;
-    let scenes = command.times.scenes(&scene, path)?;
+    export(command, options, &scene, super::checked(&scene)?, quiet)
+}
+
+impl Volume {
+    fn format(&self) -> Result<VolumeFormat, String> {
+        let path = &self.output;
+        match VolumeFormat::from_path(path) {
+            Some(VolumeFormat::OpenVdb) => Ok(VolumeFormat::OpenVdb),
+            Some(VolumeFormat::Nrrd | VolumeFormat::Npy) if self.half => {
+                Err(format!("--half: {} holds 32-bit floats; write a .vdb", path.display()))
+            }
+            Some(format @ (VolumeFormat::Nrrd | VolumeFormat::Npy)) => Ok(format),
+            _ => Err(format!("--output {}: end the name in .vdb, .nrrd or .npy", path.display())),
+        }
+    }
+}
+
+/// Evaluates the voxels of a checked scene and writes them.
+pub(super) fn export(
+    command: &Volume,
+    options: &Options,
+    scene: &Scene,
+    (variant, library): (Variant, Library),
+    quiet: bool,
+) -> Result<(), Box<dyn Error>> {
+    let format = command.format()?;
+    let scenes = command.times.scenes(scene, &command.output)?;
     let outputs = || scenes.iter().map(|(_, path)| ("--output", path.clone()));
-    output::check_all(outputs(), files_read(&command.input, &scene))?;
-    let (variant, library) = super::checked(&scene)?;
+    output::check_all(outputs(), files_read(&command.input, scene))?;
     super::try_modules(&variant, &library, Some(options))?;
     if scene.camera.clip.is_some() {
         ::log::warn!("camera.clip cuts pictures; the volume is whole");

@@ -21,6 +21,8 @@ use support::open;
 
 /// Name of the job.
 pub const JOB: &str = "final";
+/// Default samples along the longest side of a mesh or a volume.
+pub(super) const GRID: u32 = 128;
 /// Size limit of a manifest, bytes.
 const MAX_MANIFEST: u64 = 1 << 24;
 /// Background of a video, which has no transparency, if the scene has none.
@@ -48,6 +50,10 @@ pub(super) enum Kind {
     Sequence,
     /// Numbered pictures and a video of them.
     Video,
+    /// The surface as a mesh.
+    Mesh,
+    /// The density and its color as a volume.
+    Volume,
 }
 
 /// Animation of a sequence.
@@ -80,14 +86,16 @@ pub(super) struct Order {
     pub(super) motion: Option<Motion>,
     /// Error target that replaces the samples.
     pub(super) max_error: Option<f64>,
-    /// Path of the picture, of the frames with `####` for their number, or of the video.
+    /// Samples along the longest side of a mesh or a volume.
+    pub(super) grid: u32,
+    /// Path of the file, of the frames with `####` for their number.
     pub(super) path: PathBuf,
 }
 
 impl Order {
     /// The picture of a scene.
     pub(super) fn picture(scene: Scene, library: Library, path: PathBuf) -> Order {
-        Order { scene, library, kind: Kind::Picture, motion: None, max_error: None, path }
+        Order { scene, library, kind: Kind::Picture, motion: None, max_error: None, grid: GRID, path }
     }
 
     /// The pictures of a turntable.
@@ -111,17 +119,24 @@ impl Order {
     /// The first file that is written.
     pub(super) fn first(&self) -> PathBuf {
         match self.kind {
-            Kind::Picture => self.path.clone(),
-            _ => frame_path(&self.pictures(), 0),
+            Kind::Picture | Kind::Mesh | Kind::Volume => self.path.clone(),
+            Kind::Sequence | Kind::Video => frame_path(&self.pictures(), 0),
         }
     }
 
     /// The command line.
     fn command(&self) -> Vec<String> {
-        let mut words: Vec<String> =
-            ["hypertexture", "--quiet", "render", "scene", "--output"].map(String::from).into();
+        let name = match self.kind {
+            Kind::Picture | Kind::Sequence | Kind::Video => "render",
+            Kind::Mesh => "mesh",
+            Kind::Volume => "volume",
+        };
+        let mut words: Vec<String> = ["hypertexture", "--quiet", name, "scene", "--output"].map(String::from).into();
         let output = if self.kind == Kind::Video { self.pictures() } else { self.path.clone() };
         words.push(output.display().to_string());
+        if matches!(self.kind, Kind::Mesh | Kind::Volume) {
+            words.extend(["--grid".into(), self.grid.to_string()]);
+        }
         if let Some(error) = self.max_error {
             words.extend(["--max-error".into(), error.to_string()]);
         }
@@ -198,12 +213,15 @@ impl Rendering {
     /// The result of the order, if it has ended.
     pub(super) fn poll(&self) -> Option<Result<String, String>> {
         let Poll::Ready(done) = self.done.poll() else { return None };
-        let Order { scene, motion, path, .. } = &self.order;
+        let Order { scene, kind, motion, path, .. } = &self.order;
         let ([width, height], path) = (scene.image.size, std::path::absolute(path).unwrap_or_else(|_| path.clone()));
         let count = motion.map_or(String::new(), |motion| format!("{} pictures of ", motion.frames));
         let background = if scene.image.background.is_some() { "its" } else { "a transparent" };
         Some(done.unwrap_or_else(|| Err("its thread has failed".into())).map(|()| {
             let (path, seconds) = (path.display(), self.seconds());
+            if matches!(kind, Kind::Mesh | Kind::Volume) {
+                return format!("wrote {path} in {seconds} s");
+            }
             format!("wrote {path}, {count}{width} x {height} pixels, with {background} background, in {seconds} s")
         }))
     }
@@ -230,6 +248,8 @@ mod tests {
         let picture = Order { max_error: Some(0.004), ..order("a.png") };
         assert_eq!(picture.command()[4..], ["--output", "a.png", "--max-error", "0.004"]);
         assert_eq!(picture.first(), Path::new("a.png"));
+        let mesh = Order { kind: Kind::Mesh, ..order("a.ply") };
+        assert_eq!(mesh.command()[2..], ["mesh", "scene", "--output", "a.ply", "--grid", "128"]);
         let video = Order { kind: Kind::Video, motion: Some(Motion::default()), ..order("out/turn.mp4") };
         let words = ["--output", "out/turn_####.png", "--frames", "0..99", "--fps", "25", "--turntable"];
         assert_eq!((&video.command()[4..], video.first()), (&words.map(String::from)[..], "out/turn_0000.png".into()));

@@ -4,7 +4,7 @@ use egui::{Context, Event, FocusDirection, Id, Key, Modifiers, Popup};
 
 /// The effect of a key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Action {
+pub enum Action {
     Help,
     Play,
     Reset,

@@ -142,6 +142,32 @@ fn a_lesson_measures_turbulence_and_leaves_a_scene_that_can_be_saved() {
 
 #[test]
 #[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
+fn menus_do_what_keys_do_and_a_scene_leaves_as_mesh_and_volume() {
+    let display = Display::new();
+    let folder = tempfile::tempdir().unwrap();
+    let [mesh, volume, direct] = ["a.ply", "a.npy", "b.ply"].map(|name| folder.path().join(name));
+    let export = |kind: &str, file: &Path| {
+        format!(
+            "click final.{kind}\nwrite final.file {}\nset final.grid 24\nframes 2\nclick final.render\nwait idle\n",
+            file.display()
+        )
+    };
+    let script = format!(
+        "wait picture\nclick menu Help\nframes 3\nclick menu this list\nframes 3\nwrite help.search light\nkey Esc\nkey Esc\n\
+         click menu Render\nframes 3\nclick menu final picture, sequence, video, mesh or volume\nframes 3\n{}{}quit\n",
+        export("mesh", &mesh),
+        export("volume", &volume)
+    );
+    let scene = ["torus", "--effect", "lit", "--size", "96x64"];
+    play(&display, folder.path(), &[&scene[..], &["--window", "1200x900"]].concat(), &script);
+    let mesh_command = ["mesh", "torus", "--effect", "lit", "--grid", "24", "--output", direct.to_str().unwrap()];
+    assert_good(&program().args(mesh_command).output().unwrap());
+    assert_eq!(std::fs::read(&mesh).unwrap(), std::fs::read(&direct).unwrap(), "the mesh of the command");
+    assert!(std::fs::read(&volume).unwrap().starts_with(b"\x93NUMPY"));
+}
+
+#[test]
+#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
 fn it_resizes_hides_comes_back_and_follows_mouse_keys_and_files() {
     let display = Display::new();
     let folder = tempfile::tempdir().unwrap();

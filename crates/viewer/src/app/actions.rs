@@ -121,6 +121,7 @@ impl App {
                 }
             }
             Request::Open(path) => self.open(&path),
+            Request::Act(action) => self.act(action),
             Request::Quit => self.quit = true,
         }
     }

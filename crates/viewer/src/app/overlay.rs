@@ -2,8 +2,10 @@
 
 use super::state::App;
 use crate::keys::{self, Action};
+use crate::panels::MENUS;
+use crate::panels::widgets::named;
 use crate::status::Cost;
-use egui::{Align2, Area, Color32, Frame, Id, ProgressBar, RichText, Sense, Ui, Vec2};
+use egui::{Align2, Area, Color32, Frame, Id, ProgressBar, RichText, Sense, TextEdit, Ui, Vec2};
 use hypertexture::scene::Scene;
 use std::collections::BTreeMap;
 
@@ -72,7 +74,10 @@ impl App {
         }
     }
 
-    fn show_keys(&self, ui: &mut Ui) {
+    fn show_keys(&mut self, ui: &mut Ui) {
+        let search = ui.add(TextEdit::singleline(&mut self.help_search).hint_text("search").desired_width(160.0));
+        named(ui, &search, "help.search");
+        let sought = self.help_search.to_lowercase();
         egui::Grid::new("keys").num_columns(2).spacing([18.0, 4.0]).show(ui, |ui| {
             let state = |action: Action| match action {
                 Action::Play => Some(self.time.clock.is_some()),
@@ -87,17 +92,19 @@ impl App {
                 Action::Record => Some(self.panels.finals.frames().is_some()),
                 _ => None,
             };
-            for binding in keys::KEYS.iter().filter(|binding| !binding.what.is_empty()) {
-                ui.label(RichText::new(binding.name).strong());
-                let state = state(binding.action).map_or("", |on| if on { " (on)" } else { " (off)" });
-                ui.label(format!("{}{state}", binding.what));
-                ui.end_row();
+            let mut row = |name: &str, what: &str| {
+                if [name, what].iter().any(|text| text.to_lowercase().contains(&sought)) {
+                    ui.label(RichText::new(name).strong());
+                    ui.label(what);
+                    ui.end_row();
+                }
+            };
+            for action in MENUS.iter().flat_map(|(_, actions)| *actions) {
+                let Some(binding) = keys::KEYS.iter().find(|binding| binding.action == *action) else { continue };
+                let state = state(*action).map_or("", |on| if on { " (on)" } else { " (off)" });
+                row(binding.name, &format!("{}{state}", binding.what));
             }
-            for (name, what) in keys::MOUSE {
-                ui.label(RichText::new(*name).strong());
-                ui.label(*what);
-                ui.end_row();
-            }
+            keys::MOUSE.iter().for_each(|(name, what)| row(name, what));
         });
     }
 }

@@ -82,6 +82,7 @@ pub(crate) struct App {
     pub(crate) jobs: Jobs,
     pub(super) search: Search,
     pub(super) help: bool,
+    pub(super) help_search: String,
     /// The first failure of an object or a task, which ends a script.
     pub(crate) failure: Option<String>,
     pub(crate) lost: bool,
@@ -236,6 +237,7 @@ impl App {
             jobs: Jobs::new(now),
             search: Search { pick: start.max_error, picked_for: None },
             help: false,
+            help_search: String::new(),
             failure: None,
             lost: false,
             quit: false,

@@ -73,11 +73,14 @@ impl Dialogs {
         let named = Some(named.trim()).filter(|named| !named.is_empty()).map(PathBuf::from);
         match model.file().map(Path::to_path_buf).or(named) {
             Some(path) => self.scene(path, model),
-            None => {
-                self.dialog = FileDialog::new().default_file_name("scene.toml");
-                self.dialog.save_file();
-            }
+            None => self.save_as(),
         }
+    }
+
+    /// Opens the file dialog for the name of a scene file.
+    pub(super) fn save_as(&mut self) {
+        self.dialog = FileDialog::new().default_file_name("scene.toml");
+        self.dialog.save_file();
     }
 
     /// Adds the opened files to the recent ones.

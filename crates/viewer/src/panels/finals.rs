@@ -3,7 +3,7 @@
 use super::status::Status;
 use super::widgets::{Field, button, field, fit, named, number, switch};
 use crate::author::Gate;
-use crate::finals::{BEHIND, Kind, Motion, Order, Rendering, is_installed};
+use crate::finals::{BEHIND, GRID, Kind, Motion, Order, Rendering, is_installed};
 use crate::message::Message;
 use crate::model::Model;
 use egui::{DragValue, Id, TextEdit, Ui, Window};
@@ -35,6 +35,7 @@ pub(crate) struct Finals {
     supersampling: u32,
     max_error: Option<f64>,
     motion: Motion,
+    grid: u32,
     pub(crate) running: Option<Rendering>,
     waiting: VecDeque<Order>,
     outcome: Option<Message>,
@@ -54,6 +55,7 @@ impl Finals {
             supersampling: 4,
             max_error: None,
             motion: Motion::default(),
+            grid: GRID,
             running: None,
             waiting: VecDeque::new(),
             outcome: None,
@@ -108,6 +110,11 @@ impl Finals {
         })
     }
 
+    /// Whether a file for another program is written in place of pictures.
+    fn is_export(&self) -> bool {
+        matches!(self.kind, Kind::Mesh | Kind::Volume)
+    }
+
     /// The order as described in the dialog.
     fn order(&self, model: &Model) -> Order {
         let mut scene = model.scene().clone();
@@ -117,10 +124,10 @@ impl Finals {
         if self.kind == Kind::Video {
             scene.image.background.get_or_insert(BEHIND);
         }
-        let motion = (self.kind != Kind::Picture).then_some(self.motion);
+        let motion = matches!(self.kind, Kind::Sequence | Kind::Video).then_some(self.motion);
         let path = PathBuf::from(self.path.trim());
-        let (kind, max_error) = (self.kind, self.max_error);
-        Order { kind, motion, max_error, ..Order::picture(scene, model.library().clone(), path) }
+        let (kind, max_error, grid) = (self.kind, self.max_error.filter(|_| !self.is_export()), self.grid);
+        Order { kind, motion, max_error, grid, ..Order::picture(scene, model.library().clone(), path) }
     }
 
     /// Shows the dialog if it is open, and polls the running order.
@@ -145,6 +152,12 @@ impl Finals {
     fn form(&mut self, ui: &mut Ui, model: &Model, status: &Status) {
         fit(ui);
         self.kinds(ui);
+        if self.is_export() {
+            let grid = field("final.grid", "Samples along the longest side of the mesh or the volume.");
+            number(ui, &mut None, &grid, &mut self.grid, 8..=512);
+            ui.separator();
+            return self.buttons(ui, self.order(model));
+        }
         self.sizes(ui, model, status);
         self.accuracy(ui, model);
         if self.kind != Kind::Picture {
@@ -177,6 +190,8 @@ impl Finals {
                 (Kind::Picture, "Picture", "final.picture", "final.png"),
                 (Kind::Sequence, "Sequence", "final.sequence", "final_####.png"),
                 (Kind::Video, "Video", "final.video", "final.mp4"),
+                (Kind::Mesh, "Mesh", "final.mesh", "final.ply"),
+                (Kind::Volume, "Volume", "final.volume", "final.vdb"),
             ] {
                 let is_there = kind != Kind::Video || *FFMPEG;
                 let chosen = ui.add_enabled(is_there, egui::Button::selectable(self.kind == kind, text));
@@ -190,9 +205,9 @@ impl Finals {
             }
         });
         let response = ui.add(TextEdit::singleline(&mut self.path).desired_width(f32::INFINITY));
-        named(ui, &response, "final.file").on_hover_text(
-            "Path: .png or .exr; #### is the number of a frame. A sequence may be a .webp, .gif or .apng.",
-        );
+        let doc = "Path: .png or .exr, #### is the number of a frame; a sequence may be a .webp, .gif or .apng. A mesh is a .stl, \
+                   .ply, .obj or .glb, a volume a .vdb, .nrrd or .npy.";
+        named(ui, &response, "final.file").on_hover_text(doc);
     }
 
     /// Width and height.
@@ -257,8 +272,12 @@ impl Finals {
             if replaces {
                 ui.colored_label(ui.visuals().warn_fg_color, format!("{} exists", first.display()));
             }
-            let text = if replaces { "Replace it" } else { "Render" };
-            if button(ui, text, "final.render", "Render in the background.").clicked() {
+            let text = match self.is_export() {
+                _ if replaces => "Replace it",
+                true => "Write",
+                false => "Render",
+            };
+            if button(ui, text, "final.render", "Write it in the background.").clicked() {
                 self.add(order);
             }
         }

@@ -2,11 +2,12 @@
 
 use super::context::{Act, Pass, prefix};
 use super::dialogs::{self, Question};
+use super::menu::Item;
 use super::request::Request;
 use super::status::Status;
 use super::{
-    accuracy, bookmarks, camera, editor, effect, file_info, finals, groom, keyframes, messages, object, parameters,
-    presets, settings, status_bar, theme, timeline, toolbar, transfer, widgets,
+    accuracy, bookmarks, camera, editor, effect, file_info, finals, groom, keyframes, menu, messages, object,
+    parameters, presets, settings, status_bar, theme, timeline, toolbar, transfer, widgets,
 };
 use crate::author::Author;
 use crate::message::Message;
@@ -141,8 +142,16 @@ impl Panels {
         ui.spacing_mut().item_spacing.y = 5.0;
         let complaint = self.author.complaint().filter(|_| !self.author_is_open || self.hidden).map(Message::error);
         Panel::bottom("status").show(ui, |ui| status_bar::show(ui, status));
-        let mut requests = Vec::new();
+        let mut requests: Vec<Request> = Vec::new();
         if !self.hidden {
+            let chosen = Panel::top("menu").show(ui, |ui| menu::show(ui, &self.dialogs.recent, &mut requests)).inner;
+            requests = requests.into_iter().filter_map(|request| self.asking(request, model)).collect();
+            match chosen {
+                Some(Item::SaveAs) => self.dialogs.save_as(),
+                Some(Item::Final) => self.finals.is_open = true,
+                Some(Item::CopyCommand) => ui.ctx().copy_text(model.command_line()),
+                None => {}
+            }
             Panel::bottom("time").show(ui, |ui| {
                 timeline::show(ui, model, status, &mut self.keyframes, &mut requests);
             });

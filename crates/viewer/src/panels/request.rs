@@ -1,5 +1,6 @@
 //! Requests of the panels.
 
+use crate::keys::Action;
 use crate::playback::Playback;
 use hypertexture::scene::Scene;
 use std::path::PathBuf;
@@ -33,6 +34,8 @@ pub enum Request {
     Densities,
     /// Opens a mesh, a scan, a scene or a module.
     Open(PathBuf),
+    /// Performs the action of a key.
+    Act(Action),
     /// Closes the program.
     Quit,
 }
