@@ -80,8 +80,10 @@ pub enum Command {
     /// Describe the device, name what is missing, and run self-tests.
     Doctor(Doctor),
     /// Write completions for a shell to standard output.
+    #[command(hide = true)]
     Completions(Completions),
     /// Write a manual page, for `man`, to standard output.
+    #[command(hide = true)]
     Man(Man),
     /// Answer the requests of the parent on standard input: a child process of this program.
     #[command(hide = true)]

@@ -6,7 +6,7 @@ const within = (value, [low, high]) => Math.max(low, Math.min(high, value));
 // Adds the controls of a scene. state: changed in place; changed: called after each change; start: gives a new state.
 export function addControls({ scene, state, start, canvas, form, changed }) {
   const inputs = [];
-  const add = (label, help, input, read, write) => {
+  const add = (label, help, input, read, write, told = read) => {
     const row = document.createElement('label'), text = document.createElement('span'), output = document.createElement('output');
     text.textContent = label;
     row.title = help;
@@ -14,7 +14,7 @@ export function addControls({ scene, state, start, canvas, form, changed }) {
     form.append(row);
     const show = () => {
       input.value = read();
-      output.textContent = input.type === 'range' ? String(Number(Number(read()).toPrecision(4))) : read();
+      output.textContent = input.type === 'range' ? String(Number(Number(told()).toPrecision(4))) : told();
     };
     input.addEventListener('input', () => {
       write(input.type === 'range' ? Number(input.value) : input.value);
@@ -26,7 +26,7 @@ export function addControls({ scene, state, start, canvas, form, changed }) {
   const slider = ([min, max]) => Object.assign(document.createElement('input'), { type: 'range', min, max, step: 'any' });
   const zoomed = (value) => { state.zoom = within(value, ZOOMS); };
   add('zoom', '1 fits the object into the picture', slider(ZOOMS.map(Math.log)), () => Math.log(state.zoom),
-    (value) => zoomed(Math.exp(value)));
+    (value) => zoomed(Math.exp(value)), () => state.zoom);
   if (scene.moves) {
     add('time', 'Seconds', slider([Math.min(0, scene.time), scene.time + LONGEST]), () => state.time, (value) => { state.time = value; });
   }

@@ -28,7 +28,7 @@ async function run() {
   const renderer = await Renderer.make(device, scene, canvas, (program) => wgsl.get(program.wgsl), levels);
 
   const start = () => initial(scene), state = { ...start(), playing: false };
-  let version = 0, moved = -Infinity, wake = () => {}, divisor = 2, shown = () => {};
+  let version = 0, moved = -Infinity, wake = () => {}, divisor = 2;
   const changed = () => { version++; moved = performance.now(); canvas.setAttribute('aria-busy', 'true'); wake(); };
   const fit = () => {
     const { width, height } = canvas.getBoundingClientRect(), ratio = window.devicePixelRatio;
@@ -55,11 +55,17 @@ async function run() {
     return performance.now() - began;
   }
 
+  const present = () => {
+    renderer.show();
+    document.body.classList.add('live');
+    say('');
+  };
+
   async function move() {
     const size = [canvas.width, canvas.height].map((side) => Math.ceil(side / divisor));
     renderer.begin(size);
     const took = await pass(size, [0, 0, 0, scene.sub_frames[0][3]], { part: 1, first: true });
-    renderer.show();
+    present();
     if (took > FRAME && divisor < 16) divisor *= 2;
     else if (took < FRAME / 5 && divisor > 1) divisor /= 2;
   }
@@ -71,12 +77,12 @@ async function run() {
       for (const [index, own] of some.entries()) {
         if (await pass(size, own, { part: 1 / some.length, first: index === 0, isCut: true }) === undefined) return false;
       }
-      renderer.show();
+      present();
     }
     return true;
   }
 
-  shown = addControls({ scene, state, start, canvas, form: element('controls'), changed });
+  const shown = addControls({ scene, state, start, canvas, form: element('controls'), changed });
   new ResizeObserver(fit).observe(canvas);
   fit();
   for (let done = -1, last = performance.now(), isFirst = true; ; isFirst = false) {
@@ -96,8 +102,6 @@ async function run() {
     if (isFirst || (performance.now() - moved > REST && !state.playing)) {
       if (!await rest()) continue;
       done = own;
-      say('');
-      document.body.classList.add('live');
       if (own === version) canvas.setAttribute('aria-busy', 'false');
     } else {
       await move();
