@@ -105,9 +105,10 @@ pub(super) fn web(command: &Web, options: &Options, quiet: bool) -> Result<(), B
         Ok(encode_png(&frame, variant.scene.image.background, Depth::Eight, &provenance)?)
     })?;
     let stem = Path::new(&command.input).file_stem().unwrap_or_default().to_string_lossy().replace('_', " ");
+    let title = command.arguments.effect.as_ref().map_or(stem.clone(), |effect| format!("{effect} on {stem}"));
     let flag = if is_single { " --single-file" } else { "" };
     let line = format!("{line}{flag} -o {}", path.file_name().unwrap_or_default().to_string_lossy());
-    let files = page(portable, &Page { title: &stem, command: &line, picture: &picture, is_single })?;
+    let files = page(portable, &Page { title: &title, command: &line, picture: &picture, is_single })?;
     match is_single {
         true => {
             write(Path::new(""), &[(path.to_string_lossy().into(), files.into_iter().next().unwrap_or_default().1)])?

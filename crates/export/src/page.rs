@@ -68,7 +68,6 @@ pub fn page(portable: &Portable, page: &Page<'_>) -> Result<Vec<File>, ExportErr
         .replace("{scripts}", &scripts)
         .replace("{picture}", &picture)
         .replace("{title}", &escape(page.title))
-        .replace("{object}", &escape(&scene.object.input))
         .replace("{about}", &escape(&scene.about))
         .replace("{command}", &escape(page.command))
         .replace("{aspect}", &(f64::from(width) / f64::from(height)).to_string())
