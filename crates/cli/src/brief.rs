@@ -61,7 +61,7 @@ const BRIEF: [(&str, &[&str], [&str; 2]); 22] = [
     (
         "export",
         &["output", "effect", "set", "dmf", "camera", "iso", "light", "size", "resolution"],
-        ["export fire_ball -o fire", "export teapot --effect fur -o fur"],
+        ["export fire_ball -o program", "export teapot --effect fur -o fur"],
     ),
     ("gallery", &["output", "size", "samples", "web"], ["gallery -o out", "gallery teapot --web -o out"]),
     (
