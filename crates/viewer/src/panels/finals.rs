@@ -116,11 +116,14 @@ impl Finals {
     }
 
     /// The order as described in the dialog.
-    fn order(&self, model: &Model) -> Order {
+    fn order(&self, model: &Model, status: &Status) -> Order {
         let mut scene = model.scene().clone();
         scene.image.size = self.size.unwrap_or(scene.image.size);
         scene.quality.samples = self.samples.unwrap_or(scene.quality.samples);
         scene.quality.supersampling = self.supersampling;
+        if self.kind != Kind::Picture && !scene.animation.is_empty() {
+            scene.camera.time = status.playback.range[0];
+        }
         if self.kind == Kind::Video {
             scene.image.background.get_or_insert(BEHIND);
         }
@@ -176,7 +179,7 @@ impl Finals {
             let again = field("final.restart", "Render finished frames again; otherwise a stopped sequence continues.");
             switch(ui, &mut None, &again, &mut motion.restart);
         }
-        let order = self.order(model);
+        let order = self.order(model, status);
         let has_background = order.scene.image.background.is_some();
         ui.weak(if has_background { "with its background" } else { "with a transparent background" });
         ui.separator();

@@ -59,9 +59,10 @@ pub(super) fn diamond(ui: &mut Ui, pass: &mut Pass<'_>, name: &str, value: Optio
     let (place, response) = ui.allocate_exact_size(vec2(2.5 * HALF, HEIGHT), Sense::click());
     let has_track = pass.model.scene().animation.tracks.contains_key(name);
     let color = if has_track || response.hovered() { KEY } else { ui.visuals().weak_text_color() };
-    match ease {
-        Some(ease) => paint(ui, place.center(), ease, color),
-        None => drop(ui.painter().add(Shape::closed_line(rhombus(place.center()), Stroke::new(1.0, color)))),
+    if let Some(ease) = ease {
+        paint(ui, place.center(), ease, color);
+    } else {
+        ui.painter().add(Shape::closed_line(rhombus(place.center()), Stroke::new(1.0, color)));
     }
     response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, name));
     if named(ui, &response, &format!("{name}.keyframe")).on_hover_text(doc).clicked() {
