@@ -57,7 +57,8 @@ fn every_setting_that_a_page_names_is_one() {
         for name in named.filter(|name| name.contains('.')) {
             let (page, depth) = (path.display(), name.split('.').count());
             let is_other = name.starts_with("parts.") && (depth < 4 || name.contains(".parameters."));
-            let moves = name.strip_prefix("animation.").is_some_and(|own| own == "parameters" || setting(own).is_some());
+            let moves =
+                name.strip_prefix("animation.").is_some_and(|own| own == "parameters" || setting(own).is_some());
             assert!(setting(name).is_some() || is_other || moves, "{page}: there is no setting `{name}`");
             count += 1;
         }

@@ -45,5 +45,8 @@ fn phases(library: &Library) -> f64 {
             sum(now.x, then.x),
         ]
     };
-    Check::new(library, &[("phases", "two")], text).holds(1e-5, expected)
+    Check::new(library, &[("phases", "two")], text)
+        .with("loop_seconds", &[4.0])
+        .with("time", &[1.5])
+        .holds(1e-5, expected)
 }

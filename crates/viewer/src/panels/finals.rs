@@ -121,7 +121,7 @@ impl Finals {
         scene.image.size = self.size.unwrap_or(scene.image.size);
         scene.quality.samples = self.samples.unwrap_or(scene.quality.samples);
         scene.quality.supersampling = self.supersampling;
-        if self.kind != Kind::Picture && !scene.animation.is_empty() {
+        if matches!(self.kind, Kind::Sequence | Kind::Video) && !scene.animation.is_empty() {
             scene.camera.time = status.playback.range[0];
         }
         if self.kind == Kind::Video {
@@ -159,7 +159,7 @@ impl Finals {
             let grid = field("final.grid", "Samples along the longest side of the mesh or the volume.");
             number(ui, &mut None, &grid, &mut self.grid, 8..=512);
             ui.separator();
-            return self.buttons(ui, self.order(model));
+            return self.buttons(ui, self.order(model, status));
         }
         self.sizes(ui, model, status);
         self.accuracy(ui, model);
