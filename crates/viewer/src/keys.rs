@@ -20,6 +20,7 @@ pub enum Action {
     Stronger,
     Level,
     Lesson,
+    Place,
     Side(usize),
     Look,
     Inspect,
@@ -73,6 +74,7 @@ pub(super) const KEYS: &[Binding] = &[
     plain(Key::OpenBracket, "[ and ]", Action::Weaker, "a weaker brush, a stronger one"),
     plain(Key::CloseBracket, "]", Action::Stronger, ""),
     plain(Key::O, "O", Action::Level, "orbit level, or as a trackball"),
+    plain(Key::G, "G", Action::Place, "place the selected object by drags, or stop"),
     plain(Key::L, "L", Action::Lesson, "how it works: slices, soft regions, turbulence"),
     plain(Key::Num1, "1, 2, 3", Action::Side(0), "look from the front, from the right, from the top"),
     plain(Key::Num2, "2", Action::Side(1), ""),
@@ -93,7 +95,7 @@ pub(super) const MOUSE: &[(&str, &str)] = &[
     ("right or middle drag, or Shift", "move it"),
     ("Ctrl and drag", "move the light"),
     ("wheel or pinch", "zoom to the pointer; of a brush, its radius"),
-    ("click", "inspect that pixel, if the inspector is open"),
+    ("click", "select an object; of an open inspector, its pixel"),
     ("drop a file", "show a mesh, a scan or a scene"),
 ];
 

@@ -54,6 +54,7 @@ impl App {
                 self.model.end_undo_group();
             }
             Action::Look => self.comparison.view.next(),
+            Action::Place => self.toggle_placement(),
             Action::Lesson => self.lesson.is_open ^= true,
             Action::Inspect => self.inspect_under_pointer(),
             Action::Worst => self.jump_to_worst(),

@@ -41,6 +41,7 @@ impl App {
             keys::pressed(ui.ctx()).into_iter().for_each(|action| self.act(action));
         }
         self.model.follow(self.time.clock);
+        self.receive_selection();
         let status = self.status();
         let requests = self.panels.show(ui, &mut self.model, &status);
         if let Some(error) = self.panels.finals.outcome().filter(|outcome| outcome.is_error) {

@@ -10,18 +10,16 @@ impl App {
     }
 
     /// The pixel at a position of the window.
-    fn pixel_at(&self, at: Pos2) -> Option<[u32; 2]> {
+    pub(super) fn pixel_at(&self, at: Pos2) -> Option<[u32; 2]> {
         let size = self.pixels()?;
         let part = (at - self.place.min) / self.place.size();
         let index = |axis: usize| ((part[axis].max(0.0) * size[axis] as f32) as u32).min(size[axis] - 1);
         self.place.contains(at).then(|| [index(0), index(1)])
     }
 
-    /// Moves an open inspector to the clicked pixel.
+    /// Moves the inspector to the clicked pixel.
     pub(super) fn inspect_clicked(&mut self, at: Option<Pos2>) {
-        if self.inspector.is_open()
-            && let Some(pixel) = at.and_then(|at| self.pixel_at(at))
-        {
+        if let Some(pixel) = at.and_then(|at| self.pixel_at(at)) {
             self.inspector.look_at(Some(pixel));
         }
     }

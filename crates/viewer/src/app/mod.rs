@@ -4,6 +4,7 @@ mod actions;
 mod frame;
 mod inspect;
 mod mouse;
+mod objects;
 mod overlay;
 mod paint;
 mod receive;

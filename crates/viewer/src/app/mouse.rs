@@ -21,7 +21,7 @@ impl App {
         if response.is_pointer_button_down_on() {
             keys::stop_writing(ui.ctx());
         }
-        if self.paint(ui, response) {
+        if self.place(ui, response) || self.paint(ui, response) {
             return;
         }
         if response.drag_started() {
@@ -52,7 +52,11 @@ impl App {
             self.model.end_undo_group();
         }
         if response.clicked() {
-            self.inspect_clicked(response.interact_pointer_pos());
+            let at = response.interact_pointer_pos();
+            match self.inspector.is_open() {
+                true => self.inspect_clicked(at),
+                false => self.select_clicked(at),
+            }
         }
         if let Some(at) = response.hover_pos() {
             let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
@@ -112,7 +116,7 @@ impl App {
     }
 
     /// Half the height of the view, object units.
-    fn half_height(&self) -> Option<f32> {
+    pub(super) fn half_height(&self) -> Option<f32> {
         let Variant { scene, library, subject } = self.jobs.submitted.as_ref()?.variants.first()?;
         let variant = Program::of(scene, library).ok()?;
         Some(render::half_height(&variant, subject))

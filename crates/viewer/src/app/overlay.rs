@@ -88,6 +88,7 @@ impl App {
                 Action::Level => Some(self.navigation.level),
                 Action::Inspect => Some(self.inspector.is_open()),
                 Action::Lesson => Some(self.lesson.is_open),
+                Action::Place => Some(self.objects.places),
                 Action::FullScreen => Some(self.full_screen),
                 Action::Record => Some(self.panels.finals.frames().is_some()),
                 _ => None,

@@ -1,5 +1,6 @@
 //! The state of the window, in parts by subject.
 
+use super::objects::Objects;
 use crate::ViewError;
 use crate::author::Author;
 use crate::background::Notify;
@@ -73,6 +74,7 @@ pub(crate) struct App {
     pub(super) comparison: Compared,
     pub(crate) inspector: Inspector,
     pub(crate) lesson: Lesson,
+    pub(super) objects: Objects,
     /// Error target of the pictures.
     pub(super) max_error: Option<f64>,
     /// Whether pixels are colored by their validity.
@@ -230,6 +232,7 @@ impl App {
             comparison: Compared::default(),
             inspector: Inspector::default(),
             lesson: Lesson::default(),
+            objects: Objects::default(),
             max_error: start.max_error,
             validity: false,
             densities: Densities::default(),

@@ -34,6 +34,25 @@ impl Model {
         good
     }
 
+    /// Takes effect, parameters, material, transfer map and soft region of a preset for an additional object.
+    pub fn take_preset_of_part(&mut self, part: &str, name: &str) -> bool {
+        let preset = match scene::preset(name) {
+            Ok(preset) => preset,
+            Err(error) => {
+                self.say(error.to_string());
+                return false;
+            }
+        };
+        let good = self.edit(&format!("preset {name} of {part}"), |scene| {
+            let Some(part) = scene.parts.get_mut(part) else { return };
+            let Scene { effect, parameters, material, transfer, object, .. } = preset;
+            (part.effect, part.parameters, part.material, part.transfer) = (effect, parameters, material, transfer);
+            (part.object.inner_iso, part.object.outer_iso) = (object.inner_iso, object.outer_iso);
+        });
+        self.end_undo_group();
+        good
+    }
+
     /// The preset of the scene, identified by its description.
     pub fn preset(&self) -> Option<&'static str> {
         Some(self.own_preset()?.0)

@@ -110,6 +110,16 @@ impl Panels {
         (!all.is_empty()).then(|| all.join("\n"))
     }
 
+    /// The selected additional object.
+    pub(crate) fn selected(&self) -> Option<&str> {
+        self.selected.as_deref()
+    }
+
+    /// Selects an additional object, or the main one.
+    pub(crate) fn select(&mut self, part: Option<String>) {
+        self.selected = part;
+    }
+
     /// Asks a question.
     pub fn ask(&mut self, question: Question) {
         self.dialogs.question = Some(question);
@@ -252,9 +262,7 @@ impl Panels {
         section(ui, "Presets", true, |ui| presets::show(ui, pass, &mut self.with_own));
         let recent = &self.dialogs.recent;
         section(ui, "File", false, |ui| toolbar::files(ui, pass, &mut self.paths, recent));
-        if advanced {
-            section(ui, "Objects", false, |ui| object::list(ui, pass, &mut self.selected));
-        }
+        section(ui, "Objects", false, |ui| object::list(ui, pass, &mut self.selected));
         let part = self.selected.clone();
         let part = part.as_deref();
         section(ui, "Object", false, |ui| object::show(ui, pass, part));
@@ -301,7 +309,10 @@ impl Panels {
         match act {
             Act::Undo => drop(model.undo()),
             Act::Redo => drop(model.redo()),
-            Act::Preset { name, on_object } => drop(model.take_preset(&name, on_object)),
+            Act::Preset { name, on_object } => drop(match self.selected.as_deref().filter(|_| on_object) {
+                Some(part) => model.take_preset_of_part(part, &name),
+                None => model.take_preset(&name, on_object),
+            }),
             Act::Choose => self.dialogs.choose(),
             Act::Open(path) => drop(model.open(&path)),
             Act::Restore(folder) => {

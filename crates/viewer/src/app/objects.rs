@@ -1,0 +1,148 @@
+//! Additional objects under the mouse: selection by a click, and placement by drags.
+
+use super::state::App;
+use crate::background::Background;
+use crate::worker::Variant;
+use egui::{PointerButton, Pos2, Response, Ui, Vec2};
+use glam::{EulerRot, Quat, Vec3};
+use hypertexture::render::density_along;
+use hypertexture::scene::{Scene, Transform};
+use std::task::Poll;
+
+/// Points on the ray of a click. Lower: thin objects are missed.
+const PLACES: usize = 256;
+/// Depth by which an object must be in front of another, object units. Lower: rounding decides.
+const IN_FRONT: f64 = 1e-6;
+
+/// Selection and placement of additional objects.
+#[derive(Default)]
+pub(super) struct Objects {
+    /// Search for the object of a click: `None` if the ray hits none, else its name, or none for the main one.
+    clicked: Option<Background<Option<Option<String>>>>,
+    /// Whether drags place the selected object.
+    pub(super) places: bool,
+}
+
+impl App {
+    /// Starts the search for the object at a position.
+    pub(super) fn select_clicked(&mut self, at: Option<Pos2>) {
+        let pixel = at.and_then(|at| self.pixel_at(at));
+        let variant = self.jobs.submitted.as_ref().map(|job| job.variants[0].clone());
+        if let (Some(pixel), Some(variant), false) = (pixel, variant, self.model.scene().parts.is_empty()) {
+            let search = Background::start(&self.notify, move |task| task.send(object_at(pixel, &variant)));
+            self.objects.clicked = Some(search);
+        }
+    }
+
+    /// Selects the object that was found.
+    pub(super) fn receive_selection(&mut self) {
+        if let Some(Poll::Ready(found)) = self.objects.clicked.as_ref().map(Background::poll) {
+            self.objects.clicked = None;
+            if let Some(part) = found.flatten() {
+                self.note(format!("selected: {}", part.as_deref().unwrap_or("main")));
+                self.panels.select(part);
+            }
+        }
+    }
+
+    /// Starts or ends the placement of the selected object.
+    pub(super) fn toggle_placement(&mut self) {
+        self.objects.places ^= true;
+        match (self.objects.places, self.panels.selected()) {
+            (true, Some(part)) => self.note(format!("placing {part}: drag moves, right drag turns, the wheel sizes")),
+            (true, None) => {
+                self.objects.places = false;
+                self.note("select an additional object first: click it, or its name in Objects");
+            }
+            (false, _) => self.note("placing ended"),
+        }
+    }
+
+    /// Places the selected object; whether the mouse belongs to it.
+    pub(super) fn place(&mut self, ui: &Ui, response: &Response) -> bool {
+        let part = self.panels.selected().map(String::from).filter(|_| self.objects.places);
+        let Some(part) = part else { return false };
+        let wheel = if response.hovered() { ui.input(|input| input.smooth_scroll_delta().y) } else { 0.0 };
+        let (delta, turns) = (response.drag_delta(), response.dragged_by(PointerButton::Secondary));
+        if let Some(half) = self.half_height().filter(|_| delta != Vec2::ZERO || wheel != 0.0) {
+            let unit = half / (0.5 * self.place.height().max(1.0));
+            let view = self.model.present().camera.turn();
+            self.model.edit("transform", |scene| {
+                if let Some(part) = scene.parts.get_mut(&part) {
+                    part.transform = placed(part.transform, view, delta * unit, turns, (wheel / 400.0).exp());
+                }
+            });
+        }
+        if response.drag_stopped() {
+            self.model.end_undo_group();
+        }
+        true
+    }
+}
+
+/// A placement after a drag by `delta`, right and down in object units, and a change of size. `view` rotates object space to
+/// eye space.
+fn placed(before: Transform, view: Quat, delta: Vec2, turns: bool, factor: f32) -> Transform {
+    let mut after = Transform { scale: (before.scale * factor).clamp(0.01, 100.0), ..before };
+    if turns {
+        let [x, y, z] = before.turn.map(f32::to_radians);
+        let own = Quat::from_euler(EulerRot::ZYX, z, y, x);
+        let by = Quat::from_rotation_y(delta.x) * Quat::from_rotation_x(delta.y);
+        let (z, y, x) = (view.inverse() * by * view * own).to_euler(EulerRot::ZYX);
+        after.turn = [x, y, z].map(f32::to_degrees);
+    } else {
+        after.at = (Vec3::from(before.at) + view.inverse() * Vec3::new(delta.x, -delta.y, 0.0)).into();
+    }
+    after
+}
+
+/// The object that a ray meets first, each beside the main one alone.
+fn object_at(pixel: [u32; 2], variant: &Variant) -> Option<Option<String>> {
+    let Variant { scene, library, subject } = variant;
+    let depth = |part: Option<&String>| {
+        let mut alone = Scene { combine: None, ..scene.clone() };
+        alone.parts.retain(|name, _| Some(name) == part);
+        let ray = density_along(library, &alone, subject, pixel, PLACES).ok()?;
+        ray.iter().find(|point| point.density > 0.0).map(|point| point.depth)
+    };
+    let main = depth(None);
+    let parts = scene.parts.keys().filter_map(|name| Some((depth(Some(name))?, Some(name.clone()))));
+    let in_front = parts.filter(|(depth, _)| main.is_none_or(|main| *depth < main - IN_FRONT));
+    let all = in_front.chain(main.map(|depth| (depth, None)));
+    all.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, part)| part)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use hypertexture::render::Subject;
+    use hypertexture::scene::{Part, preset};
+    use hypertexture::shader::shipped;
+    use std::f32::consts::FRAC_PI_2;
+    use std::sync::Arc;
+
+    #[test]
+    fn a_drag_moves_along_the_axes_of_the_view() {
+        let from_the_right = Quat::from_rotation_y(-FRAC_PI_2);
+        let moved = placed(Transform::default(), from_the_right, Vec2::new(1.0, 2.0), false, 2.0);
+        assert!(Vec3::from(moved.at).abs_diff_eq(Vec3::new(0.0, -2.0, -1.0), 1e-6), "{moved:?}");
+        assert_eq!((moved.scale, moved.turn), (2.0, [0.0; 3]));
+        let turned = placed(Transform::default(), Quat::IDENTITY, Vec2::new(0.5, 0.0), true, 1.0);
+        assert!((turned.turn[1] - 0.5f32.to_degrees()).abs() < 1e-4 && turned.at == [0.0; 3], "{turned:?}");
+    }
+
+    #[test]
+    fn a_click_finds_the_object_in_front() {
+        let mut scene = preset("lit").unwrap();
+        (scene.object.input, scene.image.size) = ("sphere".into(), [81, 81]);
+        let mut part = Part::default();
+        part.object.input = "sphere".into();
+        part.transform = Transform { at: [0.0, 0.0, 2.0], scale: 0.2, ..part.transform };
+        scene.parts.insert("near".into(), part);
+        (scene.camera.azimuth, scene.camera.elevation, scene.camera.rotation) = (0.0, 0.0, None);
+        let subject = Arc::new(Subject::load(&scene, &shipped(), &|_| ()).unwrap());
+        let variant = Variant { scene, library: Arc::new(shipped()), subject };
+        let found = [[40, 40], [40, 22], [0, 0]].map(|pixel| object_at(pixel, &variant));
+        assert_eq!(found, [Some(Some("near".into())), Some(None), None]);
+    }
+}
