@@ -14,15 +14,6 @@ const PLACES: usize = 256;
 /// Depth by which an object must be in front of another, object units. Lower: rounding decides.
 const IN_FRONT: f64 = 1e-6;
 
-/// Selection and placement of additional objects.
-#[derive(Default)]
-pub(super) struct Objects {
-    /// Search for the object of a click: `None` if the ray hits none, else its name, or none for the main one.
-    clicked: Option<Background<Option<Option<String>>>>,
-    /// Whether drags place the selected object.
-    pub(super) places: bool,
-}
-
 impl App {
     /// Starts the search for the object at a position.
     pub(super) fn select_clicked(&mut self, at: Option<Pos2>) {

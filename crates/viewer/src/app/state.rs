@@ -1,9 +1,8 @@
 //! The state of the window, in parts by subject.
 
-use super::objects::Objects;
 use crate::ViewError;
 use crate::author::Author;
-use crate::background::Notify;
+use crate::background::{Background, Notify};
 use crate::compare::Comparison;
 use crate::densities::Densities;
 use crate::inspect::Inspector;
@@ -133,6 +132,15 @@ impl Navigation {
             pointer: None,
         }
     }
+}
+
+/// Selection and placement of additional objects.
+#[derive(Default)]
+pub(super) struct Objects {
+    /// Search for the object of a click: `None` if the ray hits none, else its name, or none for the main one.
+    pub(super) clicked: Option<Background<Option<Option<String>>>>,
+    /// Whether drags place the selected object.
+    pub(super) places: bool,
 }
 
 /// Time of the scene.
