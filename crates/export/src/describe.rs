@@ -34,7 +34,7 @@ pub(crate) fn describe(portable: &Portable, command: &str, file: impl Fn(&Portab
     json!({
         "about": scene.about, "object": scene.object.input, "command": command, "size": scene.image.size,
         "background": scene.image.background.map(|color| color.linear()), "time": scene.camera.time,
-        "moves": portable.programs.iter().any(|own| reads_time(own)),
+        "moves": portable.programs.iter().any(reads_time),
         "programs": portable.programs.iter().map(program).collect::<Value>(),
         "images": portable.images.iter().map(image).collect::<Value>(),
         "samplers": portable.samplers.iter().map(sampler).collect::<Value>(),

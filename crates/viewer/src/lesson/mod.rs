@@ -3,10 +3,10 @@
 //! Role: the current job, and studies in the background -> a window with diagrams. Invariant: a lesson changes the scene only
 //! by its controls, so that every state of it can be saved.
 
-mod lesson;
 mod plot;
+mod state;
 mod strategies;
 mod study;
 mod window;
 
-pub(crate) use lesson::Lesson;
+pub(crate) use state::Lesson;

@@ -1,7 +1,7 @@
 //! The window of a lesson.
 
-use super::lesson::{Lesson, Page};
 use super::plot::Plot;
+use super::state::{Lesson, Page};
 use super::strategies::{Measured, WAYS};
 use super::study::Ray;
 use crate::background::Notify;
