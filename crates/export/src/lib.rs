@@ -1,7 +1,7 @@
 //! Scenes for hosts without this library.
 //!
 //! Role: [`page`] makes a page that draws a scene in a browser, by WebGPU; [`folder`] makes files for any other host. Both
-//! describe the scene by [`describe`]. Invariant: the programs are those that the renderer runs, from the same SPIR-V.
+//! describe the scene by `describe`. Invariant: the programs are those that the renderer runs, from the same SPIR-V.
 
 mod describe;
 mod error;
