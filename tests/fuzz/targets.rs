@@ -61,7 +61,7 @@ const GLTF: &str = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0
 fn a_groom() -> Vec<u8> {
     let (mut groom, mut bytes) = (Groom::unpainted("a", 32), Vec::new());
     (0..64).for_each(|index| groom.set(index, [index as f32 / 32.0; 8]));
-    groom.write(&mut bytes).unwrap();
+    groom.write(&mut bytes).unwrap_or_else(|error| panic!("{error}"));
     bytes
 }
 
