@@ -51,7 +51,7 @@ const BRIEF: [(&str, &[&str], [&str; 2]); 22] = [
     (
         "groom",
         &["output", "length", "density", "color", "direction", "side"],
-        ["groom torus --length 'y > 0.1 ? 0.3 : 1.0'", "groom teapot --color 'vec3(2.0 * p.y, 1.0, 1.0)' -o red.nrrd"],
+        ["groom torus --length 1.0-p.y", "groom teapot --density 1.0+p.x -o thin.nrrd"],
     ),
     (
         "web",
