@@ -70,7 +70,7 @@ fn arguments_that_make_no_sense_are_refused_in_one_line() {
             ("render torus --frames 5", &["'5'", "--frames", "A..B"]),
             ("render torus --frames 0..9 --fps 0", &["--fps 0", "from 0.001 to 1000"]),
             ("render torus --frames 0..9 --fps nan", &["--fps NaN", "from 0.001 to 1000"]),
-            ("render torus --frames 0..9 -o frames.gif", &["frames.gif", ".png or .exr"]),
+            ("render torus --frames 0..9 -o frames.jpg", &["frames.jpg", ".png or .exr"]),
             ("render torus --fps 10", &["--frames <A..B>"]),
             ("render torus --turntable", &["--frames <A..B>"]),
             ("render torus --shard 3/3", &["3/3", "K from 0 to N - 1", "such as 0/4"]),
