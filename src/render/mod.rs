@@ -24,7 +24,8 @@ pub use camera::{ViewPose, half_height};
 pub use cells::{CellStats, LOOKED_UP, bounded, link as link_cells};
 pub use custom_modules::{FINITE, ModuleFault, try_custom_modules};
 pub use density::{
-    Along, PolygonizeError, Polygons, densities, density_along, polygonize, polygonize_with_looks, samples_along,
+    Along, PolygonizeError, Polygons, densities, density_along, object_along, polygonize, polygonize_with_looks,
+    samples_along,
 };
 pub use error::RenderError;
 pub use explain::{

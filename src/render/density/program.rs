@@ -12,6 +12,7 @@ use crate::render::inputs::CpuInputs;
 use crate::render::subject::Subject;
 use crate::render::variant::{Checkable, OCTAVES_ID, Purpose, Variant, as_density};
 use crate::scene::{Projection, Scene};
+use crate::shader::slots::MAIN;
 use crate::shader::{Library, Linker};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -179,6 +180,17 @@ impl Sight {
         let (enters, leaves) = (a.min(b).max_element().max(0.0), a.max(b).min_element());
         (enters < leaves).then_some(Sight { from, along, unit, enters, leaves })
     }
+
+    /// Equidistant depths from the entry to the exit.
+    fn depths(&self, places: usize) -> impl Iterator<Item = f64> {
+        let step = (self.leaves - self.enters) / places.saturating_sub(1).max(1) as f64;
+        (0..places).map(move |index| self.enters + index as f64 * step)
+    }
+
+    /// The points at these depths.
+    fn places(&self, places: usize) -> Vec<DVec3> {
+        self.depths(places).map(|depth| self.from + self.along * depth).collect()
+    }
 }
 
 /// Distances from the origin of a pixel's ray to its samples within the box around the soft region, object units: those of
@@ -201,6 +213,32 @@ pub fn samples_along(
     Ok(depths.filter(|depth| (sight.enters..=sight.leaves).contains(depth)).map(|depth| depth * sight.unit).collect())
 }
 
+/// Name of the object whose soft region holds the first matter on the ray through the middle of a pixel, found at `places` equal
+/// distances; `main` for that of the scene. `None` where the ray meets no matter, or that of custom formulas only.
+///
+/// # Errors
+/// As [`density_along`].
+pub fn object_along(
+    library: &Library,
+    scene: &impl Checkable,
+    subject: &Subject,
+    pixel: [u32; 2],
+    places: usize,
+) -> Result<Option<String>, PolygonizeError> {
+    let checked = scene.checked(library)?;
+    let program = DensityProgram::of(library, &checked, subject)?;
+    let Some(sight) = Sight::of(&checked.scene, &program.view, pixel) else { return Ok(None) };
+    let all = sight.places(places);
+    let found = program.bound(0.0)?.at(&all)?;
+    let Some((place, _)) = all.iter().zip(found).find(|(_, density)| *density > 0.0) else { return Ok(None) };
+    let beyond = program.view.objects.iter().filter_map(|own| {
+        let of = subject.parts.get(&own.name).unwrap_or(subject);
+        let distance = of.distance()?(own.place.inverse().transform_point3(place.as_vec3()));
+        Some(((distance - own.outer_iso) * own.scale, if own.name.is_empty() { MAIN } else { &own.name }))
+    });
+    Ok(beyond.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, name)| name.into()))
+}
+
 /// The density of a scene at its first moment along the ray through the middle of a pixel: at `places` equal distances from
 /// where the ray enters the box around the soft region to where it leaves it, and bounds between them, in which noise is taken
 /// to about 1e-6. Empty where the ray misses the box. Of a ray that bends, it is the straight one.
@@ -217,20 +255,16 @@ pub fn density_along(
     let checked = scene.checked(library)?;
     let program = DensityProgram::of(library, &checked, subject)?;
     let scene = &checked.scene;
-    let Some(Sight { from, along, unit, enters, leaves }) = Sight::of(scene, &program.view, pixel) else {
-        return Ok(Vec::new());
-    };
-    let step = (leaves - enters) / places.saturating_sub(1).max(1) as f64;
-    let depths: Vec<f64> = (0..places).map(|index| enters + index as f64 * step).collect();
-    let all: Vec<DVec3> = depths.iter().map(|depth| from + along * *depth).collect();
+    let Some(sight) = Sight::of(scene, &program.view, pixel) else { return Ok(Vec::new()) };
+    let all = sight.places(places);
     let found = program.bound(0.0)?.at(&all)?;
     let kept = |place: &DVec3| match scene.camera.clip {
         Some([a, b, c, d]) => place.dot(DVec3::new(a.into(), b.into(), c.into())) <= f64::from(d),
         None => true,
     };
     let densities = all.iter().zip(found).map(|(place, density)| if kept(place) { density } else { 0.0 });
-    let mut along: Vec<Along> = (depths.iter().zip(densities))
-        .map(|(depth, density)| Along { depth: depth * unit, density, range: [density; 2] })
+    let mut along: Vec<Along> = (sight.depths(places).zip(densities))
+        .map(|(depth, density)| Along { depth: depth * sight.unit, density, range: [density; 2] })
         .collect();
     for (index, range) in program.between(&all)?.into_iter().enumerate() {
         let range = [range.lo - ROUNDED, range.hi + ROUNDED];

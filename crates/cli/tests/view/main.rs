@@ -5,11 +5,10 @@
 
 mod displays;
 mod hands;
+mod studio;
 
-use hypertexture::glam::Vec3;
 use hypertexture::output::read_provenance;
 use hypertexture::scene::{self, Reach};
-use hypertexture::shape::Groom;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
@@ -121,53 +120,6 @@ fn a_screenshot_is_the_picture_that_render_makes() {
 
 #[test]
 #[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
-fn a_lesson_measures_turbulence_and_leaves_a_scene_that_can_be_saved() {
-    let display = Display::new();
-    let folder = tempfile::tempdir().unwrap();
-    let saved = folder.path().join("lesson.toml");
-    let script = format!(
-        "wait picture\nkey L\nframes 2\nclick lesson.held\nset lesson.count 12\nwait converged\nclick lesson.density\n\
-         frames 3\nclick lesson.add biased\nclick lesson.turbulence\nframes 2\nset lesson.octaves 3\nwait drawn\nclick lesson.measure\n\
-         frames 2\nwait idle\nframes 2\nclick lesson.use channels\nclick File\nframes 2\n\
-         write file.scene {}\nclick file.save\nquit\n",
-        saved.display()
-    );
-    let scene = ["sphere", "--effect", "fire", "--size", "96x64", "--window", "1200x900", "--supersampling", "4"];
-    play(&display, folder.path(), &scene, &script);
-    let scene = scene::load(&saved, Reach::Anywhere).unwrap();
-    let (quality, effect) = (&scene.quality, &scene.effect);
-    assert_eq!((quality.samples, quality.supersampling, effect.octaves), (12, 1, 3));
-    assert_eq!((effect.turbulence.as_str(), effect.dmf.last().map(String::as_str)), ("channels", Some("biased")));
-}
-
-#[test]
-#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
-fn menus_do_what_keys_do_and_a_scene_leaves_as_mesh_and_volume() {
-    let display = Display::new();
-    let folder = tempfile::tempdir().unwrap();
-    let [mesh, volume, direct] = ["a.ply", "a.npy", "b.ply"].map(|name| folder.path().join(name));
-    let export = |kind: &str, file: &Path| {
-        format!(
-            "click final.{kind}\nwrite final.file {}\nset final.grid 24\nframes 2\nclick final.render\nwait idle\n",
-            file.display()
-        )
-    };
-    let script = format!(
-        "wait picture\nclick menu Help\nframes 3\nclick menu this list\nframes 3\nwrite help.search light\nkey Esc\nkey Esc\n\
-         click menu Render\nframes 3\nclick menu final picture, sequence, video, mesh or volume\nframes 3\n{}{}quit\n",
-        export("mesh", &mesh),
-        export("volume", &volume)
-    );
-    let scene = ["torus", "--effect", "lit", "--size", "96x64"];
-    play(&display, folder.path(), &[&scene[..], &["--window", "1200x900"]].concat(), &script);
-    let mesh_command = ["mesh", "torus", "--effect", "lit", "--grid", "24", "--output", direct.to_str().unwrap()];
-    assert_good(&program().args(mesh_command).output().unwrap());
-    assert_eq!(std::fs::read(&mesh).unwrap(), std::fs::read(&direct).unwrap(), "the mesh of the command");
-    assert!(std::fs::read(&volume).unwrap().starts_with(b"\x93NUMPY"));
-}
-
-#[test]
-#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
 fn it_resizes_hides_comes_back_and_follows_mouse_keys_and_files() {
     let display = Display::new();
     let folder = tempfile::tempdir().unwrap();
@@ -233,26 +185,6 @@ fn its_panels_change_the_picture_that_is_written() {
     assert_eq!((saved.effect.dmf, saved.light.intensity), (scene::preset("fur").unwrap().effect.dmf, 1.5));
     render(&[&scene], Path::new(&rendered));
     assert_eq!(std::fs::read(&picture).unwrap(), std::fs::read(&rendered).unwrap());
-}
-
-#[test]
-#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
-fn keyframes_are_set_where_the_timeline_is_and_saved() {
-    let display = Display::new();
-    let folder = tempfile::tempdir().unwrap();
-    let scene = folder.path().join("scene.toml").display().to_string();
-    let script = format!(
-        "wait picture\nclick timeline keyframes\nframes 2\nclick parameters.fury.keyframe\nframes 2\nset timeline 2\n\
-         frames 2\nset parameters.fury 3\nframes 2\nset timeline 1\nwait picture\nclick File\nframes 2\n\
-         write file.scene {scene}\nclick file.save\nframes 3\nclick quit\nframes 9\n"
-    );
-    let small = ["torus", "--effect", "fire", "--samples", "32", "--size", "64x48", "--window", "640x400"];
-    play(&display, folder.path(), &small, &script);
-    let saved = scene::load(Path::new(&scene), Reach::Anywhere).unwrap();
-    let Some(scene::Track::Keys(keys)) = saved.animation.tracks.get("parameters.fury") else { panic!("no keyframes") };
-    assert_eq!(keys.iter().map(|key| key.time).collect::<Vec<_>>(), [0.0, 2.0]);
-    let fury = &saved.moment().unwrap().parameters["fury"];
-    assert_eq!(*fury, scene::ParameterValue::Number(2.25), "at the time of the timeline, 1 s");
 }
 
 #[test]
@@ -520,27 +452,6 @@ fn a_drag_with_ctrl_moves_the_light_and_nothing_else() {
     let [to, from] = [&now, &before].map(|scene| scene.light.position);
     assert!(to[0] > from[0] + 0.1 * length(from) && (length(to) / length(from) - 1.0).abs() < 1e-5, "{from:?} {to:?}");
     assert_eq!(now.camera, before.camera);
-}
-
-#[test]
-#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
-fn a_stroke_is_painted_and_undone_as_one_step_and_saved_beside_the_scene() {
-    let (display, folder) = (Display::new(), tempfile::tempdir().unwrap());
-    let file = folder.path().join("cut.toml");
-    let script = format!(
-        "wait drawn\nclick Groom\nframes 3\nclick brush.cut\nframes 2\ndrag 0.45 0.5 0.55 0.5\nwait drawn\n\
-         drag 0.5 0.4 0.5 0.6\nwait drawn\nkey Z\nframes 2\nclick File\nframes 2\nwrite file.scene {}\n\
-         click file.save\nframes 3\nquit\n",
-        file.display()
-    );
-    play(&display, folder.path(), &["sphere", "--camera", "0,0", "--window", "900x600"], &script);
-    let scene = scene::load(&file, Reach::Beside).unwrap();
-    assert_eq!(scene.camera.rotation, None, "a stroke turns nothing");
-    let groom = Groom::read(Path::new(&scene.groom.unwrap())).unwrap();
-    let cut = (0..groom.voxels()).filter(|index| groom.at(*index) != Groom::NEUTRAL).map(|index| groom.place(index));
-    let (low, high) = cut.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
-    // Along x on the front of the ball, by a brush of radius 0.15; without the stroke along y.
-    assert!(high.x - low.x > 0.35 && high.z > 0.9 && low.y > -0.16 && high.y < 0.16, "{low} to {high}");
 }
 
 #[test]

@@ -5,14 +5,12 @@ use crate::background::Background;
 use crate::worker::Variant;
 use egui::{PointerButton, Pos2, Response, Ui, Vec2};
 use glam::{EulerRot, Quat, Vec3};
-use hypertexture::render::density_along;
-use hypertexture::scene::{Scene, Transform};
+use hypertexture::render::object_along;
+use hypertexture::scene::Transform;
 use std::task::Poll;
 
 /// Points on the ray of a click. Lower: thin objects are missed.
 const PLACES: usize = 256;
-/// Depth by which an object must be in front of another, object units. Lower: rounding decides.
-const IN_FRONT: f64 = 1e-6;
 
 impl App {
     /// Starts the search for the object at a position.
@@ -20,8 +18,11 @@ impl App {
         let pixel = at.and_then(|at| self.pixel_at(at));
         let variant = self.jobs.submitted.as_ref().map(|job| job.variants[0].clone());
         if let (Some(pixel), Some(variant), false) = (pixel, variant, self.model.scene().parts.is_empty()) {
-            let search = Background::start(&self.notify, move |task| task.send(object_at(pixel, &variant)));
-            self.objects.clicked = Some(search);
+            let Variant { scene, library, subject } = variant;
+            self.objects.clicked = Some(Background::start(&self.notify, move |task| {
+                let found = object_along(&library, &scene, &subject, pixel, PLACES);
+                task.send(found.map_err(|error| log::info!("object of a click: {error}")).ok().flatten());
+            }));
         }
     }
 
@@ -29,9 +30,9 @@ impl App {
     pub(super) fn receive_selection(&mut self) {
         if let Some(Poll::Ready(found)) = self.objects.clicked.as_ref().map(Background::poll) {
             self.objects.clicked = None;
-            if let Some(part) = found.flatten() {
-                self.note(format!("selected: {}", part.as_deref().unwrap_or("main")));
-                self.panels.select(part);
+            if let Some(name) = found.flatten() {
+                self.note(format!("selected: {name}"));
+                self.panels.select(Some(name));
             }
         }
     }
@@ -87,22 +88,6 @@ fn placed(before: Transform, view: Quat, delta: Vec2, turns: bool, factor: f32) 
     after
 }
 
-/// The object that a ray meets first, each beside the main one alone.
-fn object_at(pixel: [u32; 2], variant: &Variant) -> Option<Option<String>> {
-    let Variant { scene, library, subject } = variant;
-    let depth = |part: Option<&String>| {
-        let mut alone = Scene { combine: None, ..scene.clone() };
-        alone.parts.retain(|name, _| Some(name) == part);
-        let ray = density_along(library, &alone, subject, pixel, PLACES).ok()?;
-        ray.iter().find(|point| point.density > 0.0).map(|point| point.depth)
-    };
-    let main = depth(None);
-    let parts = scene.parts.keys().filter_map(|name| Some((depth(Some(name))?, Some(name.clone()))));
-    let in_front = parts.filter(|(depth, _)| main.is_none_or(|main| *depth < main - IN_FRONT));
-    let all = in_front.chain(main.map(|depth| (depth, None)));
-    all.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, part)| part)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -110,7 +95,6 @@ mod tests {
     use hypertexture::scene::{Part, preset};
     use hypertexture::shader::shipped;
     use std::f32::consts::FRAC_PI_2;
-    use std::sync::Arc;
 
     #[test]
     fn a_drag_moves_along_the_axes_of_the_view() {
@@ -131,9 +115,8 @@ mod tests {
         part.transform = Transform { at: [0.0, 0.0, 2.0], scale: 0.2, ..part.transform };
         scene.parts.insert("near".into(), part);
         (scene.camera.azimuth, scene.camera.elevation, scene.camera.rotation) = (0.0, 0.0, None);
-        let subject = Arc::new(Subject::load(&scene, &shipped(), &|_| ()).unwrap());
-        let variant = Variant { scene, library: Arc::new(shipped()), subject };
-        let found = [[40, 40], [40, 22], [0, 0]].map(|pixel| object_at(pixel, &variant));
-        assert_eq!(found, [Some(Some("near".into())), Some(None), None]);
+        let subject = Subject::load(&scene, &shipped(), &|_| ()).unwrap();
+        let at = |pixel| object_along(&shipped(), &scene, &subject, pixel, PLACES).unwrap();
+        assert_eq!([[40, 40], [40, 22], [0, 0]].map(at), [Some("near".into()), Some("main".into()), None]);
     }
 }

@@ -137,8 +137,8 @@ impl Navigation {
 /// Selection and placement of additional objects.
 #[derive(Default)]
 pub(super) struct Objects {
-    /// Search for the object of a click: `None` if the ray hits none, else its name, or none for the main one.
-    pub(super) clicked: Option<Background<Option<Option<String>>>>,
+    /// Search for the name of the object of a click; `None` if the ray hits none.
+    pub(super) clicked: Option<Background<Option<String>>>,
     /// Whether drags place the selected object.
     pub(super) places: bool,
 }

@@ -11,8 +11,13 @@ use measure::reference::reference;
 use std::sync::Arc;
 use std::task::Poll;
 
-/// Modules of turbulence: computed, eight lookups, four octaves in the channels of two, and one of the whole sum (MJ 4.1, 4.2).
-pub(super) const WAYS: [&str; 4] = ["procedural", "lookups8", "channels", "encoded"];
+/// Modules of turbulence, and the source of each in words.
+pub(super) const WAYS: [(&str, &str); 4] = [
+    ("procedural", "Every octave computed in the shader (MJ 4.2)."),
+    ("lookups8", "One lookup in a block of noise for each octave (MJ 4.1)."),
+    ("channels", "Four octaves in the channels of each lookup (MJ 4.1)."),
+    ("encoded", "The whole sum precomputed: one lookup (MJ 4.1)."),
+];
 /// Longer side of the pictures, pixels. Higher: references take longer.
 const SIDE: u32 = 64;
 /// Tolerance of a reference. Lower: slower; errors below it mean nothing.
@@ -23,6 +28,8 @@ const RUNS: usize = 5;
 /// A way that was measured.
 pub(super) struct Measured {
     pub(super) way: String,
+    /// Its source, in words.
+    pub(super) about: &'static str,
     /// Milliseconds: of the processor if that is the device, else on the device.
     pub(super) ms: f64,
     /// Root mean square error against the f64 reference of its own noise, linear light.
@@ -75,7 +82,7 @@ fn measured(
     let Variant { scene, library, subject } = variant;
     let small = reduced(scene);
     let samples = Some(vec![small.quality.samples]);
-    let strategies = Some(WAYS.map(String::from).to_vec());
+    let strategies = Some(WAYS.map(|(way, _)| way.into()).to_vec());
     let settings = Settings { sweep: Sweep { quick: true, samples, strategies, filters: false }, repeat: RUNS };
     let session = Session { gpu, library, subject, worker: None, stop };
     let mut truth = |scene: &Scene| {
@@ -85,13 +92,14 @@ fn measured(
     let found =
         compare(session, &small, &settings, &mut truth, &|_| (), progress).map_err(|error| error.to_string())?;
     let failures = found.failures.iter().map(|failure| Err(format!("{}: {}", failure.label, failure.message)));
-    let rows = WAYS.iter().filter_map(|way| found.rows.iter().find(|row| is_of(row, way, &small)));
-    let picture = |row: &Row| -> Result<Measured, RenderError> {
+    let rows =
+        WAYS.iter().filter_map(|(way, about)| Some((found.rows.iter().find(|row| is_of(row, way, &small))?, *about)));
+    let picture = |(row, about): (&Row, &'static str)| -> Result<Measured, RenderError> {
         let scene = &row.candidate.scene;
         let frame = Renderer::new(gpu, library, subject).render(scene)?;
         let (way, size) = (scene.effect.turbulence.clone(), scene.image.size);
         let (ms, rmse) = row.point();
-        Ok(Measured { way, ms, rmse, octaves: row.candidate.octaves(), pixels: frame.pixels, size })
+        Ok(Measured { way, about, ms, rmse, octaves: row.candidate.octaves(), pixels: frame.pixels, size })
     };
     Ok(rows.map(|row| picture(row).map_err(|error| error.to_string())).chain(failures).collect())
 }

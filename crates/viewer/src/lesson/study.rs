@@ -68,7 +68,10 @@ fn ray(pixel: [u32; 2], variant: &Variant) -> Result<Ray, String> {
     let Variant { scene, library, subject } = variant;
     let along = |scene: &Scene| density_along(library, scene, subject, pixel, PLACES);
     let mut plain = scene.clone();
-    (plain.effect.dmf, plain.effect.warp) = Default::default();
+    // Its soft region is as wide as the modules make it.
+    let outer = scene.check(library).ok().and_then(|parameters| parameters.outer_iso());
+    plain.object.outer_iso = outer.unwrap_or(plain.object.outer_iso);
+    (plain.effect.dmf, plain.effect.warp, plain.parameters) = Default::default();
     let density = along(scene).map_err(|error| error.to_string())?;
     let samples = samples_along(library, scene, subject, pixel).map_err(|error| error.to_string())?;
     Ok(Ray { density, soft: along(&plain).unwrap_or_default(), samples })
@@ -82,11 +85,12 @@ mod tests {
     use hypertexture::shader::shipped;
     use std::sync::Arc;
 
-    /// A sphere of radius `inner`..`outer` with a linear soft region: along the central ray its density is a trapezoid.
+    /// Without its modules, the density along the central ray of a ball is that of its soft region, which falls to 0 outside.
     #[test]
     fn samples_lie_on_planes_at_equal_distances_and_their_sum_is_the_integral() {
         let mut scene = preset("noisy_sphere").unwrap();
-        (scene.effect.dmf, scene.quality.samples, scene.image.size) = (Vec::new(), 512, [101, 101]);
+        (scene.quality.samples, scene.image.size) = (512, [101, 101]);
+        (scene.effect.dmf, scene.parameters) = Default::default();
         let subject = Arc::new(Subject::load(&scene, &shipped(), &|_| ()).unwrap());
         let found = ray([50, 50], &Variant { scene, library: Arc::new(shipped()), subject }).unwrap();
         let steps: Vec<f64> = found.samples.windows(2).map(|pair| pair[1] - pair[0]).collect();

@@ -2,7 +2,7 @@
 
 use super::plot::Plot;
 use super::state::{Lesson, Page};
-use super::strategies::{Measured, WAYS};
+use super::strategies::Measured;
 use super::study::Ray;
 use crate::background::Notify;
 use crate::model::Model;
@@ -196,7 +196,7 @@ impl Lesson {
                     let [width, height] = way.size.map(|side| side as f32);
                     ui.image((texture.id(), vec2(THUMBNAIL, THUMBNAIL * height / width)));
                     let own = model.scene().effect.turbulence == way.way;
-                    let response = ui.selectable_label(own, &way.way).on_hover_text(about(&way.way));
+                    let response = ui.selectable_label(own, &way.way).on_hover_text(way.about);
                     if named(ui, &response, &format!("lesson.use {}", way.way)).clicked() {
                         chosen = Some(way.way.clone());
                     }
@@ -289,17 +289,6 @@ fn gain(g: f64, t: f64) -> f64 {
         true => 0.5 * bias(1.0 - g, 2.0 * t),
         false => 1.0 - 0.5 * bias(1.0 - g, 2.0 - 2.0 * t),
     }
-}
-
-/// The source of a way, in words.
-fn about(way: &str) -> &'static str {
-    const ABOUT: [&str; 4] = [
-        "Every octave computed in the shader (MJ 4.2).",
-        "One lookup in a block of noise for each octave (MJ 4.1).",
-        "Four octaves in the channels of each lookup (MJ 4.1).",
-        "The whole sum precomputed: one lookup (MJ 4.1).",
-    ];
-    WAYS.iter().position(|name| *name == way).map_or("", |index| ABOUT[index])
 }
 
 /// The color of an octave.

@@ -9,7 +9,10 @@ use std::path::PathBuf;
 /// The menus with the actions of each. The list of keys has the same groups.
 pub(crate) const MENUS: [(&str, &[Action]); 5] = [
     ("File", &[Action::Open, Action::Save]),
-    ("Edit", &[Action::Undo, Action::Redo, Action::Place, Action::Previous, Action::Next]),
+    (
+        "Edit",
+        &[Action::Undo, Action::Redo, Action::Paint, Action::Weaker, Action::Place, Action::Previous, Action::Next],
+    ),
     (
         "View",
         &[
