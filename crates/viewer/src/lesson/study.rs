@@ -14,7 +14,7 @@ const PLACES: usize = 256;
 pub(super) struct Ray {
     /// Density after all modules; empty where the ray misses the box around the soft region.
     pub(super) density: Vec<Along>,
-    /// Density of the soft region alone, at the same points; empty for a scene that is invalid without its modules.
+    /// Density of the soft region alone, at points of its own box; empty for a scene that is invalid without its modules.
     pub(super) soft: Vec<Along>,
     /// Distances of the samples from the origin of the ray, object units.
     pub(super) samples: Vec<f64>,
@@ -90,7 +90,7 @@ mod tests {
     fn samples_lie_on_planes_at_equal_distances_and_their_sum_is_the_integral() {
         let mut scene = preset("noisy_sphere").unwrap();
         (scene.quality.samples, scene.image.size) = (512, [101, 101]);
-        (scene.effect.dmf, scene.parameters) = Default::default();
+        (scene.effect.dmf, scene.effect.warp, scene.parameters) = Default::default();
         let subject = Arc::new(Subject::load(&scene, &shipped(), &|_| ()).unwrap());
         let found = ray([50, 50], &Variant { scene, library: Arc::new(shipped()), subject }).unwrap();
         let steps: Vec<f64> = found.samples.windows(2).map(|pair| pair[1] - pair[0]).collect();
