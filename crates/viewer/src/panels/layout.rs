@@ -23,6 +23,8 @@ const WIDTH: f32 = 376.0;
 const LEAST: f32 = 184.0;
 const MOST: f32 = 640.0;
 const PART: f32 = 0.36;
+/// Height of the window below which the menu bar is left out, points.
+const LOW: f32 = 480.0;
 
 /// State of the panels.
 pub struct Panels {
@@ -154,7 +156,10 @@ impl Panels {
         Panel::bottom("status").show(ui, |ui| status_bar::show(ui, status));
         let mut requests: Vec<Request> = Vec::new();
         if !self.hidden {
-            let chosen = Panel::top("menu").show(ui, |ui| menu::show(ui, &self.dialogs.recent, &mut requests)).inner;
+            let bar = |ui: &mut Ui| menu::show(ui, &self.dialogs.recent, &mut requests);
+            // A low window leaves the bar out: keys and panels do the same.
+            let has_bar = ui.available_height() >= LOW;
+            let chosen = has_bar.then(|| Panel::top("menu").show(ui, bar).inner).flatten();
             requests = requests.into_iter().filter_map(|request| self.asking(request, model)).collect();
             match chosen {
                 Some(Item::SaveAs) => self.dialogs.save_as(),
