@@ -1,14 +1,16 @@
 //! Error against run time, from the command line.
 
+use super::export::live;
 use super::picture::say_fault;
 use super::scene_arguments::{ObjectFlags, SceneArguments};
 use super::sequence::{Interrupted, stop_flag};
 use super::{absolute, announced, say, start, with_progress};
 use clap::Args;
 use hypertexture::gpu::{Gpu, Options};
-use hypertexture::render::{Subject, try_custom_modules};
+use hypertexture::output::{Depth, Provenance, encode_png};
+use hypertexture::render::{Frame, Subject, try_custom_modules};
 use hypertexture::scene::{Scene, to_text};
-use measure::compare::candidates::{Sweep, candidates};
+use measure::compare::candidates::{Candidate, Sweep, candidates};
 use measure::compare::report::{self, Environment, Report};
 use measure::compare::{Comparison, Session, Settings, compare, paper};
 use measure::reference::{Reference, TOLERANCE, reference};
@@ -48,6 +50,9 @@ pub struct Compare {
     /// of 300 x 300 without smoothing.
     #[arg(long)]
     pub thorough: bool,
+    /// Write a live page of each picture of the fronts too.
+    #[arg(long)]
+    pub web: bool,
     /// Timed runs of each candidate, at most, 1 to 1000 [default: 7; thorough: 31].
     #[arg(long, value_name = "RUNS")]
     pub repeat: Option<usize>,
@@ -112,13 +117,35 @@ pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<
         let pictures = report::pictures(session, &comparison, &mut failures);
         comparison.failures.extend(failures);
         let comparison = Comparison { partial: comparison.partial || stop(), ..comparison };
+        let live = if command.web { live_pages(session, &comparison, &pictures, &command.output)? } else { Vec::new() };
         let environment = Environment { load_after: report::load(), ..environment };
         let hash = report::hash(&scene);
-        Ok(Report { title, hash, tolerance: TOLERANCE, environment, comparison, pictures, table, crops })
+        Ok(Report { title, hash, tolerance: TOLERANCE, environment, comparison, pictures, live, table, crops })
     })?;
     let page = report::write(&report, &command.output)?;
     say_fault(fault.filter(|_| !quiet));
     conclude(&report, &page, quiet)
+}
+
+/// Writes the live pages of pictures; the rows that have one.
+fn live_pages(
+    session: Session<'_>,
+    comparison: &Comparison,
+    pictures: &[(usize, Frame)],
+    folder: &Path,
+) -> Result<Vec<usize>, Box<dyn Error>> {
+    let mut rows = Vec::new();
+    for (row, frame) in pictures {
+        let Candidate { scene, .. } = &comparison.rows[*row].candidate;
+        let title = comparison.rows[*row].candidate.label();
+        let provenance = Provenance::of(scene, &session.gpu.info().title(), &frame.measurements)?;
+        let picture = encode_png(frame, scene.image.background, Depth::Eight, &provenance)?;
+        let path = folder.join(report::live_page(*row));
+        if live((session.library, session.subject), scene, (&title, &picture), &path)? {
+            rows.push(*row);
+        }
+    }
+    Ok(rows)
 }
 
 /// The scene and what to do with it.

@@ -127,27 +127,19 @@ pub(super) fn export(command: &Export, quiet: bool) -> Result<(), Box<dyn Error>
     say_written(&command.output.join("scene.json"), quiet)
 }
 
-/// Writes the page of a checked scene whose picture is in a file; false if the scene cannot be carried.
+/// Writes the page of a checked scene beside others; false if the scene cannot be carried.
 pub(super) fn live(
-    library: &Library,
+    (library, subject): (&Library, &Subject),
     scene: &Scene,
-    (name, picture): (&str, &Path),
+    (title, picture): (&str, &[u8]),
     path: &Path,
 ) -> Result<bool, Box<dyn Error>> {
-    let subject = Subject::load(scene, library, &|_| ())?;
-    let portable = match Portable::of(library, scene, &subject, &|_| ()) {
+    let portable = match Portable::of(library, scene, subject, &|_| ()) {
         Err(RenderError::Portable(..)) => return Ok(false),
         portable => portable?,
     };
-    let picture = std::fs::read(picture).map_err(|error| format!("{}: {error}", picture.display()))?;
-    let command = format!("{} -o {name}", command_of("web", scene, library));
-    write(
-        path,
-        &page(
-            &portable,
-            &Page { title: &name.replace('_', " "), command: &command, picture: &picture, is_single: false },
-        )?,
-    )?;
+    let command = format!("{} -o page", command_of("web", scene, library));
+    write(path, &page(&portable, &Page { title, command: &command, picture, is_single: false })?)?;
     Ok(true)
 }
 

@@ -9,9 +9,9 @@ use super::{absolute, announced, say, start};
 use clap::Args;
 use hypertexture::field::Progress;
 use hypertexture::gpu::{Gpu, Options};
-use hypertexture::output::{self, Depth, OutputError, Provenance};
+use hypertexture::output::{Depth, OutputError, Provenance, encode_png};
 use hypertexture::render::variant::{Variant, VariantError};
-use hypertexture::render::{Frame, RenderError};
+use hypertexture::render::{Frame, RenderError, Subject};
 use hypertexture::scene::{Color, EFFECTS, Object, ParameterValue, Scene, SceneError, names, preset, to_text};
 use hypertexture::shader::{self, Library, ParameterKind};
 use measure::worker::{Load, Painter, Start, Worker};
@@ -166,8 +166,13 @@ pub fn write(
         let path = folder.join(&file);
         let provenance = Provenance::of(scene, &gpu.info().title(), &frame.measurements);
         let provenance = provenance.map_err(|source| OutputError::Provenance { path: name.clone(), source })?;
-        output::write(&frame, scene.image.background, Depth::Eight, &provenance, &path)?;
-        let is_live = web && live(library, scene, (name, &path), &folder.join(name))?;
+        let png = encode_png(&frame, scene.image.background, Depth::Eight, &provenance)?;
+        write_whole(&path, &png).map_err(io(&path))?;
+        let title = name.replace('_', " ");
+        let is_live = web && {
+            let subject = Subject::load(scene, library, &|_| ())?;
+            live((library, &subject), scene, (&title, &png), &folder.join(name))?
+        };
         let [link, end] =
             if is_live { [format!("<a href=\"{name}/index.html\">"), "</a>".into()] } else { Default::default() };
         let m = &frame.measurements;
@@ -178,7 +183,7 @@ pub fn write(
             "<figure id=\"{name}\">{link}<img src=\"{file}\" width=\"{}\" height=\"{}\" alt=\"{name} on {input}\">{end}\n<figcaption><h3>{}</h3><p>{}</p>\n{}\n\
              <p class=\"cost\">{} samples in depth, {:.0} ms on the device. Modules: <code>{}</code>. Left out: {}.</p>\n\
              <p><code>{command} -o {file}</code></p></figcaption></figure>\n",
-            scene.image.size[0], scene.image.size[1], name.replace('_', " "), escape(&scene.about),
+            scene.image.size[0], scene.image.size[1], title, escape(&scene.about),
             parameter_table(variant), m.slices, m.gpu_ms, escape(&m.modules),
             if m.left_out.is_empty() { "nothing".into() } else { m.left_out.join(", ") },
         )

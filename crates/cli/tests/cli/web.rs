@@ -155,6 +155,25 @@ fn a_browser_draws_the_pictures_of_render_and_changes_them() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn pictures_of_a_report_lead_to_live_pages() {
+    let root = tempfile::tempdir().unwrap();
+    let small = "--size 32x32 --resolution 32 --sweep 8,32 --repeat 1";
+    let made = run(root.path(), &format!("compare sphere --effect fire {small} --web -o report"));
+    assert!(made.status.success(), "{}", unexpected(&made));
+    let report = root.path().join("report");
+    let page = fs::read_to_string(report.join("index.html")).unwrap();
+    let links: Vec<&str> = page.split("href=\"").skip(1).map(|rest| rest.split('"').next().unwrap()).collect();
+    assert!(links.len() > 1 && links.len() == page.matches("title=\"candidate\"").count(), "{links:?}");
+    for link in links {
+        let live = report.join(link);
+        let (html, scene) = (fs::read_to_string(&live).unwrap(), fs::read(live.with_file_name("scene.json")).unwrap());
+        let scene: Value = serde_json::from_slice(&scene).unwrap();
+        assert!(html.contains(scene["command"].as_str().unwrap()) && live.with_file_name("picture.png").exists());
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn what_cannot_be_carried_is_refused_in_one_line() {
     let root = tempfile::tempdir().unwrap();
     let root = root.path();

@@ -67,7 +67,7 @@ pub fn report() -> Report {
         ..Environment::default()
     };
     let hash = super::hash(&scene);
-    let (pictures, crops) = (Vec::new(), Vec::new());
+    let (pictures, live, crops) = Default::default();
     let title = "fire".into();
-    Report { title, hash, tolerance: 1e-4, environment, comparison, pictures, table: None, crops }
+    Report { title, hash, tolerance: 1e-4, environment, comparison, pictures, live, table: None, crops }
 }

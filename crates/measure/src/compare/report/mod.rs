@@ -41,6 +41,8 @@ pub struct Report {
     pub comparison: Comparison,
     /// Pictures of rows, by their index.
     pub pictures: Vec<(usize, Frame)>,
+    /// Rows with a live page at [`live_page`].
+    pub live: Vec<usize>,
     /// The paper's Table 3 beside ours.
     pub table: Option<Replay>,
     /// The pictures of its Fig. 8.
@@ -81,6 +83,11 @@ fn last_part(word: &str) -> String {
 /// The last part of a path, or the name itself.
 pub fn file_name(path: &str) -> String {
     Path::new(path).file_name().map_or_else(|| path.into(), |name| name.to_string_lossy().into_owned())
+}
+
+/// Folder of the live page of a row, in that of the report.
+pub fn live_page(index: usize) -> String {
+    format!("live/{index}")
 }
 
 /// Renders pictures of the fronts once more, those at their ends and some between; what cannot be drawn again is told.
@@ -145,7 +152,8 @@ fn html(report: &Report, json: &Value, charts: &[Value]) -> String {
             images::picture(frame, background),
             images::heat_map(frame, &truth.pixels),
         ];
-        json!({ "candidate": index, "images": images })
+        let live = report.live.contains(index).then(|| format!("{}/index.html", live_page(*index)));
+        json!({ "candidate": index, "images": images, "live": live })
     };
     let crop = |crop: &Crop| json!({ "caption": crop.caption, "drawn": crop.drawn, "picture": images::picture(&crop.frame, background) });
     let mut context = json.clone();
