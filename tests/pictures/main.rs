@@ -24,6 +24,7 @@ mod functions;
 mod gradients;
 mod groom;
 mod half_angle;
+mod host;
 mod ignored;
 mod neutral;
 mod objects;

@@ -349,7 +349,8 @@ fn nothing_is_wider_than_the_panel_however_narrow_the_window_is() {
         let left = hand.0.state().left;
         let is_control = |role| ![Role::GenericContainer, Role::Window, Role::TextRun, Role::Unknown].contains(&role);
         let all = hand.0.query_all_by(|node| is_control(node.role()));
-        let beside = |rect: egui::Rect| rect.right() > left.right() && rect.top() > left.top() && rect.top() < left.bottom();
+        let beside =
+            |rect: egui::Rect| rect.right() > left.right() && rect.top() > left.top() && rect.top() < left.bottom();
         let inside = all.filter(|node| beside(node.rect()));
         let cut = inside.filter(|node| node.rect().left() < left.right() || node.rect().right() > width);
         let say = |node: egui_kittest::Node<'_>| {
