@@ -125,6 +125,16 @@ fn own_file<'a>(scene: &'a Scene, slot: &str, name: &str) -> Option<&'a str> {
     (Path::new(file).file_stem()? == name && !file.contains(['+', '@'])).then_some(file)
 }
 
+/// A value in the syntax of a scene file.
+pub fn value_text(value: &Value) -> String {
+    short(value).to_string()
+}
+
+/// The option of the command line that sets a field, quoted for `sh`; `None` removes the field.
+pub fn option_text(name: &str, value: Option<&Value>) -> String {
+    option(name, value).iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
+}
+
 /// The option for a field.
 fn option(name: &str, value: Option<&Value>) -> Vec<String> {
     let set = |name: &str| vec!["--set".into(), format!("{name}={}", value.map(text).unwrap_or_default())];

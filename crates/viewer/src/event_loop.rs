@@ -8,7 +8,7 @@ use super::input::passes;
 use super::script::{Script, widgets};
 use super::unsaved::Latest;
 use super::window_state::{WindowState, perform};
-use egui::{FullOutput, ViewportId};
+use egui::{Event, FullOutput, ViewportCommand, ViewportId};
 use hypertexture::gpu::{GpuError, Messages, Presented};
 use std::io::{self, Write};
 use std::sync::Arc;
@@ -305,6 +305,12 @@ impl EventHandler {
             state.widgets = widgets(update);
         }
         state.input.handle_platform_output(&state.window, output.platform_output);
+        let mut asked = output.viewport_output.values().flat_map(|viewport| &viewport.commands);
+        if asked.any(|command| *command == ViewportCommand::RequestPaste) {
+            let text = state.input.clipboard_text().unwrap_or_default();
+            state.input.egui_input_mut().events.push(Event::Paste(text));
+            state.window.request_redraw();
+        }
         // egui reports a texture change once, even if the window is not drawn in this frame.
         state.textures.append(output.textures_delta);
         let held = self.app.hold(Instant::now());

@@ -96,6 +96,7 @@ pub(super) const MOUSE: &[(&str, &str)] = &[
     ("Ctrl and drag", "move the light"),
     ("wheel or pinch", "zoom to the pointer; of a brush, its radius"),
     ("click", "select an object; of an open inspector, its pixel"),
+    ("right click on a control, Shift+F10", "copy, paste, reset or animate its value, copy it as a flag"),
     ("drop a file", "show a mesh, a scan or a scene"),
 ];
 

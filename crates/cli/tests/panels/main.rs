@@ -5,6 +5,7 @@
 mod edit;
 mod everyone;
 mod loss;
+mod menu;
 mod paint;
 mod scan;
 mod time;

@@ -62,6 +62,15 @@ impl Model {
         PRESETS.iter().find(|(_, preset)| preset.about == self.scene.about)
     }
 
+    /// The value of a field in the preset of the scene, else its default; `None` for a field without one.
+    pub fn field_in_preset(&self, name: &str) -> Option<toml::Value> {
+        let mut base = self.own_preset().map_or_else(Scene::default, |(_, preset)| preset.clone());
+        if let Some((part, _)) = name.strip_prefix("parts.").and_then(|rest| rest.split_once('.')) {
+            base.parts.entry(part.into()).or_default();
+        }
+        base.fields().into_iter().find(|(own, _)| own == name).map(|(_, value)| value)
+    }
+
     /// The value of a parameter in the preset of the scene, else the default of its module.
     pub fn parameter_in_preset(&self, part: Option<&str>, parameter: &Parameter) -> ParameterValue {
         let values = self.own_preset().and_then(|(_, preset)| match part {

@@ -1,6 +1,7 @@
 //! The modules of an effect.
 
 use super::context::{Pass, own, prefix};
+use super::field_menu;
 use super::settings::{self, modules};
 use super::widgets::{Field, Touch, choice, field, is_narrow, named};
 use egui::{Button, ComboBox, RichText, Ui};
@@ -16,9 +17,11 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
     for (slot, title) in [("dmf", "density modulation"), ("warp", "displacement")] {
         let name = format!("{prefix}effect.{slot}");
         let doc = schema::setting(&name).map_or("", |setting| setting.doc);
-        let effect = own(&mut pass.draft, part).effect;
-        let names = if slot == "dmf" { &mut effect.dmf } else { &mut effect.warp };
-        stack(ui, &mut pass.touch, &field(name, doc), names, slot, title, library);
+        field_menu::of_setting(ui, pass, &name, |ui, pass| {
+            let effect = own(&mut pass.draft, part).effect;
+            let names = if slot == "dmf" { &mut effect.dmf } else { &mut effect.warp };
+            stack(ui, &mut pass.touch, &field(&name, doc), names, slot, title, library);
+        });
     }
     let (shared, own): (Vec<&Setting>, Vec<&Setting>) = SETTINGS
         .iter()
@@ -29,7 +32,10 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
     for setting in own {
         match setting.name {
             "effect.medium" => {
-                pass.dimmed(ui, &format!("{prefix}effect.medium"), |ui, pass| media(ui, pass, part, setting.doc));
+                let name = format!("{prefix}effect.medium");
+                field_menu::of_setting(ui, pass, &name, |ui, pass| {
+                    pass.dimmed(ui, &name, |ui, pass| media(ui, pass, part, setting.doc));
+                });
             }
             name => settings::show(ui, pass, &prefix, name),
         }

@@ -66,13 +66,18 @@ pub(super) fn diamond(ui: &mut Ui, pass: &mut Pass<'_>, name: &str, value: Optio
     }
     response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, name));
     if named(ui, &response, &format!("{name}.keyframe")).on_hover_text(doc).clicked() {
-        let model = pass.model;
-        match model.key(name).map(|key| key.time) {
-            Some(time) => pass.draft.animation.remove_key(name, time),
-            None => model.set_key(&mut pass.draft, name, value),
-        }
-        pass.touch = Some(format!("keyframe of {name}"));
+        toggle(pass, name, value);
     }
+}
+
+/// Sets the keyframe of a field at the present time, or removes it.
+pub(super) fn toggle(pass: &mut Pass<'_>, name: &str, value: &Value) {
+    let model = pass.model;
+    match model.key(name).map(|key| key.time) {
+        Some(time) => pass.draft.animation.remove_key(name, time),
+        None => model.set_key(&mut pass.draft, name, value),
+    }
+    pass.touch = Some(format!("keyframe of {name}"));
 }
 
 impl Keyframes {

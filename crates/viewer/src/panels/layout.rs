@@ -6,8 +6,8 @@ use super::menu::Item;
 use super::request::Request;
 use super::status::Status;
 use super::{
-    accuracy, bookmarks, camera, editor, effect, file_info, finals, groom, keyframes, menu, messages, object,
-    parameters, presets, settings, status_bar, theme, timeline, toolbar, transfer, widgets,
+    accuracy, bookmarks, camera, editor, effect, field_menu, file_info, finals, groom, keyframes, menu, messages,
+    object, parameters, presets, settings, status_bar, theme, timeline, toolbar, transfer, widgets,
 };
 use crate::author::Author;
 use crate::message::Message;
@@ -227,6 +227,7 @@ impl Panels {
         let mut pass =
             Pass { draft, values, refused: None, touch: None, acts, requests, model, status, advanced, keys };
         ui.add_space(4.0);
+        field_menu::take_pasted(ui, &mut pass);
         self.dialogs.offer(ui, &mut pass.acts);
         toolbar::history(ui, &mut pass, &mut self.author_is_open);
         ui.horizontal_wrapped(|ui| {
@@ -236,7 +237,8 @@ impl Panels {
         });
         ui.separator();
         ScrollArea::vertical().id_salt("controls").auto_shrink(false).show(ui, |ui| self.sections(ui, &mut pass));
-        let Pass { draft, touch, refused, acts, mut requests, .. } = pass;
+        let Pass { draft, touch, refused, acts, mut requests, keys, .. } = pass;
+        self.keyframes.shown = keys;
         if let Some(what) = touch {
             model.change(&what, draft);
         }

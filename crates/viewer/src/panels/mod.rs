@@ -11,6 +11,7 @@ mod context;
 mod dialogs;
 mod editor;
 mod effect;
+mod field_menu;
 mod file_info;
 mod finals;
 mod groom;

@@ -1,6 +1,7 @@
 //! Parameters of modules, as sliders and colors.
 
 use super::context::{Pass, own, prefix};
+use super::field_menu::{Of, with_menu};
 use super::keyframes::diamond;
 use super::widgets::{self, color, field, number};
 use egui::{Button, RichText, Ui};
@@ -18,11 +19,10 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
         let name = format!("{}parameters.{}", prefix(part), parameter.name);
         let field = field(&name, &parameter.doc);
         let mut new = value.clone();
-        ui.horizontal(|ui| {
-            let now = match value {
-                ParameterValue::Number(number) => Value::Float(f64::from(*number)),
-                ParameterValue::Color(color) => String::from(*color).into(),
-            };
+        let now = written(value);
+        let home = || Some(written(&model.parameter_in_preset(part, parameter)));
+        let of = Of { name: &name, value: Some(now.clone()), home: &home };
+        let mut row = |ui: &mut Ui, pass: &mut Pass<'_>| {
             diamond(ui, pass, &name, Some(&now));
             match (parameter.kind, &mut new) {
                 (ParameterKind::Number(_, [low, high]), ParameterValue::Number(value)) => {
@@ -44,9 +44,18 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
                 new = default;
                 pass.touch = Some(name.clone());
             }
-        });
+        };
+        with_menu(ui, pass, &of, |ui, pass| drop(ui.horizontal(|ui| row(ui, pass))));
         if new != *value {
             own(&mut pass.draft, part).parameters.insert(parameter.name.clone(), new);
         }
+    }
+}
+
+/// A value as a scene file has it.
+fn written(value: &ParameterValue) -> Value {
+    match value {
+        ParameterValue::Number(number) => Value::Float(f64::from(*number)),
+        ParameterValue::Color(color) => String::from(*color).into(),
     }
 }

@@ -1,6 +1,7 @@
 //! Controls of settings, generated from the schema.
 
 use super::context::Pass;
+use super::field_menu;
 use super::keyframes;
 use super::widgets::{self, Field, choice, color, field, number, numbers, switch, text};
 use egui::Ui;
@@ -80,13 +81,15 @@ pub(super) fn show_some(ui: &mut Ui, pass: &mut Pass<'_>, prefix: &str, name: &s
 fn control(ui: &mut Ui, pass: &mut Pass<'_>, prefix: &str, setting: &Setting, offered: &dyn Fn(u32) -> bool) {
     if (pass.advanced || BASIC.contains(&setting.name)) && setting.name != MADE {
         let name = format!("{prefix}{}", setting.name);
-        pass.dimmed(ui, &name, |ui, pass| match pass.keys && is_movable(&name) {
-            true => drop(ui.horizontal(|ui| {
-                let value = pass.values.get(&name).cloned();
-                keyframes::diamond(ui, pass, &name, value.as_ref());
-                ui.vertical(|ui| rows(ui, pass, prefix, setting, offered));
-            })),
-            false => rows(ui, pass, prefix, setting, offered),
+        field_menu::of_setting(ui, pass, &name, |ui, pass| {
+            pass.dimmed(ui, &name, |ui, pass| match pass.keys && is_movable(&name) {
+                true => drop(ui.horizontal(|ui| {
+                    let value = pass.values.get(&name).cloned();
+                    keyframes::diamond(ui, pass, &name, value.as_ref());
+                    ui.vertical(|ui| rows(ui, pass, prefix, setting, offered));
+                })),
+                false => rows(ui, pass, prefix, setting, offered),
+            });
         });
     }
 }

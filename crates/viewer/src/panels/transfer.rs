@@ -3,6 +3,7 @@
 //! A click selects a stop, a drag moves it, a double click adds or removes one.
 
 use super::context::{Pass, own, prefix};
+use super::field_menu;
 use super::request::Request;
 use super::settings;
 use super::widgets::{button, color, field, named, number, painted};
@@ -31,11 +32,14 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, selecte
     }
     settings::show(ui, pass, &prefix(part), "transfer.curve");
     pass.requests.push(Request::Densities);
+    let before = own(&mut pass.draft, part).transfer.clone();
+    field_menu::of_setting(ui, pass, &at("stops"), |ui, pass| {
+        let transfer = own(&mut pass.draft, part).transfer;
+        curve(ui, transfer, pass.status.densities.as_deref().unwrap_or_default(), selected, &at("curve_editor"));
+        bar(ui, transfer, selected, &at("bar"));
+    });
     let touch = &mut pass.touch;
     let transfer = own(&mut pass.draft, part).transfer;
-    let before = transfer.clone();
-    curve(ui, transfer, pass.status.densities.as_deref().unwrap_or_default(), selected, &at("curve_editor"));
-    bar(ui, transfer, selected, &at("bar"));
     ui.horizontal_wrapped(|ui| {
         if button(ui, "add stop", &at("add"), "Add a stop after the selected one.").clicked() {
             let from = transfer.stops.get(*selected).map_or(0.0, |stop| stop.at);

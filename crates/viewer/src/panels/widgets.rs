@@ -1,6 +1,8 @@
 //! Rows of a panel: a label with a tooltip, and a control whose accessible name is that of the field in a scene file.
 
-use egui::{Align, Color32, ComboBox, DragValue, Layout, Response, Slider, SliderClamping, TextEdit, Ui, vec2};
+use egui::{
+    Align, Color32, ComboBox, DragValue, Layout, PointerButton, Response, Slider, SliderClamping, TextEdit, Ui, vec2,
+};
 use hypertexture::scene::Color;
 use std::ops::RangeInclusive;
 
@@ -134,6 +136,12 @@ fn is_logarithmic(low: f64, high: f64) -> bool {
     low > 0.0 && high / low > 200.0
 }
 
+/// Whether a control was changed by anything but the right button, which opens its menu.
+fn is_changed(ui: &Ui, response: &Response) -> bool {
+    let right = PointerButton::Secondary;
+    response.changed() && !ui.input(|input| input.pointer.button_down(right) || input.pointer.button_released(right))
+}
+
 /// A number with a slider. Values outside of the range can be typed; the checks of the scene decide.
 pub fn number<N: egui::emath::Numeric>(
     ui: &mut Ui,
@@ -142,21 +150,23 @@ pub fn number<N: egui::emath::Numeric>(
     value: &mut N,
     range: RangeInclusive<N>,
 ) {
-    let (low, high) = (range.start().to_f64(), range.end().to_f64());
+    let (low, high, before) = (range.start().to_f64(), range.end().to_f64(), *value);
     let slider = Slider::new(value, range).logarithmic(is_logarithmic(low, high)).clamping(SliderClamping::Never);
     let slider = if N::INTEGRAL { slider } else { slider.max_decimals(DECIMALS) };
     let slider = slider.suffix(unit(field.doc));
-    if row(ui, field, |ui| ui.add(slider)).changed() {
-        *touch = Some(field.name.clone());
+    let response = row(ui, field, |ui| ui.add(slider));
+    match is_changed(ui, &response) {
+        true => *touch = Some(field.name.clone()),
+        false => *value = before,
     }
 }
 
 /// A number without a range, dragged in proportion to its value.
 pub fn unbounded(ui: &mut Ui, touch: &mut Touch, field: &Field<'_>, value: &mut f32) {
     let speed = 0.01 * f64::from(value.abs()).max(0.1);
-    if row(ui, field, |ui| ui.add(DragValue::new(value).speed(speed).max_decimals(DECIMALS).suffix(unit(field.doc))))
-        .changed()
-    {
+    let drag = DragValue::new(value).speed(speed).max_decimals(DECIMALS).suffix(unit(field.doc));
+    let response = row(ui, field, |ui| ui.add(drag));
+    if is_changed(ui, &response) {
         *touch = Some(field.name.clone());
     }
 }
@@ -169,7 +179,8 @@ pub fn numbers(ui: &mut Ui, touch: &mut Touch, field: &Field<'_>, values: &mut [
         for (value, axis) in values.iter_mut().zip(AXES) {
             let name = format!("{}.{axis}", field.name);
             let response = ui.add(DragValue::new(value).speed(speed).max_decimals(DECIMALS));
-            if named(ui, &response, &name).on_hover_text(tip(field)).changed() {
+            let response = named(ui, &response, &name).on_hover_text(tip(field));
+            if is_changed(ui, &response) {
                 *touch = Some(field.name.clone());
             }
         }
