@@ -35,7 +35,9 @@ pub use frame::{Renderer, Transmittance, check_depth, paste_areas, render, trans
 pub use groom::{Channel, GroomError, fill_channel};
 pub use inputs::{CpuInputs, ImageInfo, Sparse};
 pub use measurements::{Frame, Measurements};
-pub use portable::{Portable, PortableImage, PortableParameter, PortableProgram, PortableSampler};
+pub use portable::{
+    Portable, PortableImage, PortableMotion, PortableParameter, PortableProgram, PortableSampler, widest,
+};
 pub use subject::{Subject, SubjectRequest, field_margin, open, request};
 pub use variant::{Blocks, OCTAVES_ID};
 pub use volume::{VoxelError, VoxelFit, VoxelGrids, VoxelLeaf, VoxelPlan, VoxelReport, voxelize};

@@ -8,14 +8,19 @@ use super::camera::{FrameContext, SubFrame, slant};
 use super::error::RenderError;
 use super::inputs::Inputs;
 use super::subject::{Subject, field_margin};
-use super::variant::{Program, Purpose, Variant, bindings};
+use super::variant::{Program, Purpose, Variant, VariantError, bindings};
 use crate::field::Progress;
 use crate::gpu::{Address, Dimension, Format};
-use crate::scene::{ParameterValue, Pass, Projection, SHADOW_SAMPLES, Scene};
+use crate::scene::schema::{Changes, setting};
+use crate::scene::{Animation, ParameterValue, Pass, Projection, SHADOW_SAMPLES, Scene, Track};
 use crate::shader::{Library, Linker, ParameterKind};
 use glam::{Mat4, Vec3};
 use std::collections::BTreeMap;
 
+/// Moments of a motion: in a second, and at most. Between them, values are interpolated.
+const MOMENTS: [f64; 2] = [20.0, 400.0];
+/// Seconds of a motion by expressions without a loop.
+const ENDLESS: f64 = 60.0;
 /// Equal parts of the range of a parameter between which values that follow it are interpolated.
 const PARTS: u32 = 8;
 /// Values for the host's own camera, which no program reads.
@@ -54,6 +59,20 @@ pub struct Portable {
     /// Sub-frames whose mean is the picture: offset to the right and down in pixels, seconds after the time of the scene, and
     /// seed of the jitter.
     pub sub_frames: Vec<[f64; 4]>,
+    /// Motion by keyframes, expressions or a loop.
+    pub motion: Option<PortableMotion>,
+}
+
+/// Motion of a scene.
+pub struct PortableMotion {
+    /// First and last moment, seconds.
+    pub seconds: [f64; 2],
+    /// Whether it begins anew after the last moment.
+    pub repeats: bool,
+    /// Values that change, at moments with equal distances.
+    pub values: BTreeMap<String, Vec<Vec<f32>>>,
+    /// Fields whose motion is left out: they change programs, images or the field of the object.
+    pub still: Vec<String>,
 }
 
 /// A program with its sources.
@@ -141,7 +160,8 @@ impl Portable {
         let variant_of = |scene: &Scene| -> Result<Variant, RenderError> {
             Ok(Variant::of(scene, library)?.without_two_phase().without_cells())
         };
-        let variant = variant_of(&carried(scene)?)?;
+        let whole = carried(scene)?;
+        let variant = variant_of(&whole)?;
         let mut programs = vec![program("picture", &variant, library)?];
         if programs[0].program.reads(bindings::SHADOW) {
             let shadow = variant.for_purpose(Purpose::Shadow, library)?.without_two_phase().without_cells();
@@ -156,6 +176,7 @@ impl Portable {
         let own = values(&variant);
         let read: Vec<&str> = programs.iter().flat_map(|own| own.program.members()).collect();
         let is_kept = |name: &str| read.contains(&name) || name.starts_with(VIEW) || name.starts_with("place_matrix");
+        let is_of_camera = |name: &str| OF_CAMERA.iter().any(|own| name.starts_with(own));
         let mut parameters = Vec::new();
         for (name, parameter, value) in variant.all_parameters().filter(|_| !inputs.holds_parameters) {
             let (part, bare) = name.strip_prefix("parts.").and_then(|rest| rest.split_once('.')).unwrap_or(("", &name));
@@ -181,7 +202,6 @@ impl Portable {
                 });
                 let moved = moved.collect::<Result<Vec<_>, RenderError>>()?;
                 let member = format!("{bare}{suffix}");
-                let is_of_camera = |name: &str| OF_CAMERA.iter().any(|own| name.starts_with(own));
                 let names = own.keys().filter(|name| is_kept(name) && **name != member && !is_of_camera(name));
                 let follows = |name: &&String| moved.iter().any(|moved| moved[*name] != own[*name]);
                 follow = names
@@ -194,6 +214,27 @@ impl Portable {
                 parameters.push(PortableParameter { name, member, doc, kind, value: value.clone(), follow });
             }
         }
+        let motion = moments(&whole).map(|(seconds, times)| -> Result<PortableMotion, RenderError> {
+            let is_still = |field: &&String| match setting(field) {
+                Some(setting) => setting.changes != Changes::Picture,
+                None => inputs.holds_parameters,
+            };
+            let still: Vec<String> = whole.animation.tracks.keys().filter(is_still).cloned().collect();
+            let mut moving = whole.clone();
+            moving.animation.tracks.retain(|field, _| !still.contains(field));
+            let moved = times.iter().map(|time| {
+                moving.camera.time = *time;
+                Ok(values(&variant_of(&moving)?))
+            });
+            let moved: Vec<BTreeMap<String, Vec<f32>>> = moved.collect::<Result<_, RenderError>>()?;
+            let changes = |name: &&String| moved.windows(2).any(|pair| pair[0][*name] != pair[1][*name]);
+            let names = own.keys().filter(|name| is_kept(name) && *name != "time" && !is_of_camera(name));
+            let values = names.filter(changes);
+            let values = values.map(|name| (name.clone(), moved.iter().map(|moved| moved[name].clone()).collect()));
+            let values = values.collect();
+            Ok(PortableMotion { seconds, repeats: whole.animation.period.is_some(), values, still })
+        });
+        let motion = motion.transpose()?;
         let values = own.into_iter().filter(|(name, _)| is_kept(name)).collect();
         let samplers = inputs.samplers.iter().filter_map(|(binding, filter)| {
             let (address, anisotropy) = (filter.address, filter.anisotropy);
@@ -210,13 +251,53 @@ impl Portable {
         let sub_frame =
             |own: SubFrame| [own.offset[0].into(), own.offset[1].into(), own.time - time, own.jitter_seed.into()];
         let sub_frames = SubFrame::all(&variant.scene).map(sub_frame).collect();
-        Ok(Portable { variant, programs, images, samplers, values, parameters, sub_frames })
+        Ok(Portable { variant, programs, images, samplers, values, parameters, sub_frames, motion })
     }
+}
+
+/// The moment of a scene with the widest soft region: its field serves the others.
+///
+/// # Errors
+/// Those of a variant.
+pub fn widest(scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
+    let mut widest = Variant::of(scene, library)?;
+    let outer = |variant: &Variant| variant.parameters.outer_iso().unwrap_or(variant.scene.object.outer_iso);
+    let moves = |field: &String| field.starts_with("parameters.") || field == "object.outer_iso";
+    for time in moments(scene).filter(|_| scene.animation.tracks.keys().any(moves)).into_iter().flat_map(|own| own.1) {
+        let mut moment = scene.clone();
+        moment.camera.time = time;
+        let moment = Variant::of(&moment, library)?;
+        if outer(&moment) > outer(&widest) {
+            widest = moment;
+        }
+    }
+    Ok(widest)
 }
 
 fn program(name: &'static str, variant: &Variant, library: &Library) -> Result<PortableProgram, RenderError> {
     let program = variant.program(library, Linker::new)?;
     Ok(PortableProgram { name, program, glsl: variant.text(library)? })
+}
+
+/// First and last second of the motion of a scene, and its moments at equal distances; `None` if nothing moves.
+fn moments(scene: &Scene) -> Option<([f64; 2], Vec<f64>)> {
+    let Animation { period, tracks } = &scene.animation;
+    let seconds = match period {
+        Some(period) => [0.0, *period],
+        None => {
+            let ends = tracks.values().flat_map(|track| match track {
+                Track::Keys(keys) => keys.iter().map(|key| key.time).collect(),
+                Track::Expressions(_) => vec![scene.camera.time.min(0.0), scene.camera.time + ENDLESS],
+            });
+            ends.fold(None, |range: Option<[f64; 2]>, time| match range {
+                Some([low, high]) => Some([time.min(low), time.max(high)]),
+                None => Some([time; 2]),
+            })?
+        }
+    };
+    let parts = (MOMENTS[0] * (seconds[1] - seconds[0])).ceil().clamp(1.0, MOMENTS[1]);
+    let at = |part: u32| seconds[0] + (seconds[1] - seconds[0]) * f64::from(part) / parts;
+    Some((seconds, (0..=parts as u32).map(at).collect()))
 }
 
 /// The largest outer iso-value up to `high` for which the field of `value` reaches far enough.

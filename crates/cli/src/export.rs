@@ -9,7 +9,7 @@ use export::{File, Page, folder, page};
 use hypertexture::gpu::Options;
 use hypertexture::output::{self, Depth, Provenance, encode_png};
 use hypertexture::render::variant::Variant;
-use hypertexture::render::{Portable, RenderError, Renderer, Subject};
+use hypertexture::render::{Portable, RenderError, Renderer, Subject, widest};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
 use std::error::Error;
@@ -69,15 +69,20 @@ fn load(
     options: Option<&Options>,
     quiet: bool,
 ) -> Result<Loaded, Box<dyn Error>> {
-    let mut scene = arguments.scene(input, object)?;
+    let mut scene = arguments.scene_and_base(input, object)?.0;
     let command = command_of(name, &scene, &scene.library()?);
     if !arguments.says_rays_of_a_pixel(input) {
         smooth(&mut scene);
     }
     let (variant, library) = super::checked(&scene)?;
     try_modules(&variant, &library, options)?;
-    let subject = with_progress(quiet, "distance field", |progress| Subject::load(&variant, &library, progress))?;
+    let widest = widest(&scene, &library)?;
+    let subject = with_progress(quiet, "distance field", |progress| Subject::load(&widest, &library, progress))?;
     let portable = with_progress(quiet, "program", |progress| Portable::of(&library, &scene, &subject, progress))?;
+    let still = portable.motion.iter().flat_map(|motion| &motion.still).cloned().collect::<Vec<_>>().join(", ");
+    if !quiet && !still.is_empty() {
+        say(&format!("note       {still}: without motion, since it changes the program, its images or the field\n"));
+    }
     Ok(Loaded { variant, library, subject, portable, command })
 }
 

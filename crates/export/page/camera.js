@@ -20,12 +20,20 @@ function along({ range: [low, high] }, table, value) {
   return table[cell].map((from, i) => from + (at - cell) * (table[cell + 1][i] - from));
 }
 
-function withParameters(scene, state) {
-  const values = { ...scene.values };
+// The values of the scene at a time.
+function atTime({ values, motion }, time) {
+  if (!motion) return { ...values, time: [time] };
+  const [from, to] = motion.seconds, own = motion.repeats ? time - Math.floor(time / to) * to : time;
+  const place = Math.max(from, Math.min(to, own)), now = { ...values, time: [own] };
+  for (const [name, table] of Object.entries(motion.values)) now[name] = along({ range: motion.seconds }, table, place);
+  return now;
+}
+
+function withParameters(scene, state, values) {
   for (const own of scene.parameters) {
     const value = state.parameters.get(own.name);
+    if ((own.value ?? own.color) === value) continue;
     values[own.member] = own.color === undefined ? [value] : colorOf(value);
-    if (own.value === value) continue;
     for (const [name, table] of Object.entries(own.follow)) {
       values[name] = plus(plus(values[name], along(own, table, value)), along(own, table, own.value), -1);
     }
@@ -35,28 +43,30 @@ function withParameters(scene, state) {
 
 // Values for a picture of this size; subFrame: its offset, time and seed.
 export function valuesAt(scene, state, [width, height], subFrame) {
-  const values = withParameters(scene, state);
+  const [right, down, later, seed] = subFrame;
+  const values = withParameters(scene, state, atTime(scene, state.time + later));
   const number = (name) => values[`view_${name}`][0], vector = (name) => values[`view_${name}`];
-  const aspect = width / height, fit = Math.min(aspect, 1), half = number('half_height') / state.zoom;
+  const aspect = width / height, fit = Math.min(aspect, 1), start = scene.values;
+  const half = number('half_height') / state.zoom / number('zoom') * start.view_zoom[0];
+  const [azimuth, elevation] = vector('angles').map((own, i) => own + [state.azimuth, state.elevation][i] - start.view_angles[i]);
   const angle = number('field_of_view') * Math.PI / 360, radius = number('radius'), isParallel = number('parallel') > 0;
   const distance = isParallel ? 2 * radius + number('near') : half / fit / Math.sin(angle);
   const y = isParallel ? half / fit : Math.tan(angle), rays = [y * aspect, y];
   const [panX, panY] = vector('pan').map((pan, i) => pan / (rays[i] * (isParallel ? 1 : distance)));
   const stretch = vector('stretch'), center = vector('center'), eye = [0, 0, -distance];
-  const rotation = multiply(multiply(turn(0, state.elevation), turn(1, -state.azimuth)), vector('turn'));
+  const rotation = multiply(multiply(turn(0, elevation), turn(1, -azimuth)), vector('turn'));
   const object = multiply(shift(eye), multiply(rotation, multiply(scale(stretch), shift(center.map((c) => -c)))));
   const back = multiply(scale(stretch.map((s) => 1 / s)), transpose(rotation));
   const texture = multiply(shift(center), multiply(back, shift([0, 0, distance])));
 
-  const samples = number('samples'), step = 2 * radius / samples;
+  const samples = Math.round(number('samples')), step = 2 * radius / samples;
   const depth = (plane) => distance - radius + (plane + 0.5) * step;
   const skipped = Math.max(0, Math.min(samples, Math.ceil((number('near') - distance + radius) / step - 0.5)));
   const corner = [(Math.abs(panX) + 1) * rays[0], (Math.abs(panY) + 1) * rays[1], 1];
   const longest = step * (isParallel ? 1 : length(corner)) / Math.min(...stretch);
   const light = plus(eye, vector('light'));
-  const [right, down, later, seed] = subFrame;
   Object.assign(values, {
-    object_matrix: object, texture_matrix: texture, ray_scale: [...rays, 0, 0], time: [state.time + later],
+    object_matrix: object, texture_matrix: texture, ray_scale: [...rays, 0, 0],
     picture_scale: [2 / width, 2 / height, right * 2 / width - panX, down * 2 / height + panY],
     step_size: [step], first_depth: [depth(skipped)], slice_count: [samples - skipped],
     sample_reach: [number('reach_steps') * longest], box_margin: [number('margin_steps') * longest], jitter_seed: [seed],

@@ -28,7 +28,7 @@ export function addControls({ scene, state, start, canvas, form, changed }) {
   add('zoom', '1 fits the object into the picture', slider(ZOOMS.map(Math.log)), () => Math.log(state.zoom),
     (value) => zoomed(Math.exp(value)), () => state.zoom);
   if (scene.moves) {
-    add('time', 'Seconds', slider([Math.min(0, scene.time), scene.time + LONGEST]), () => state.time, (value) => { state.time = value; });
+    add('time', 'Seconds', slider(scene.motion?.seconds ?? [Math.min(0, scene.time), scene.time + LONGEST]), () => state.time, (value) => { state.time = value; });
   }
   for (const { name, doc, range } of scene.parameters) {
     const input = range ? slider(range) : Object.assign(document.createElement('input'), { type: 'color' });

@@ -89,6 +89,7 @@ async function run() {
     const now = await new Promise(requestAnimationFrame);
     if (state.playing) {
       state.time += Math.min(0.1, (now - last) / 1000);
+      if (state.time > scene.motion?.seconds[1]) [state.time] = scene.motion.seconds;
       shown();
       changed();
     }

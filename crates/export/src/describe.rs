@@ -3,7 +3,9 @@
 use crate::ExportError;
 use hypertexture::gpu::{Address, Dimension, Format};
 use hypertexture::render::variant::Use;
-use hypertexture::render::{Portable, PortableImage, PortableParameter, PortableProgram, PortableSampler};
+use hypertexture::render::{
+    Portable, PortableImage, PortableMotion, PortableParameter, PortableProgram, PortableSampler,
+};
 use hypertexture::scene::ParameterValue;
 use hypertexture::shader::ParameterKind;
 use serde_json::{Map, Value, json};
@@ -34,13 +36,14 @@ pub(crate) fn describe(portable: &Portable, command: &str, file: impl Fn(&Portab
     json!({
         "about": scene.about, "object": scene.object.input, "command": command, "size": scene.image.size,
         "background": scene.image.background.map(|color| color.linear()), "time": scene.camera.time,
-        "moves": portable.programs.iter().any(reads_time),
+        "moves": portable.motion.is_some() || portable.programs.iter().any(reads_time),
         "programs": portable.programs.iter().map(program).collect::<Value>(),
         "images": portable.images.iter().map(image).collect::<Value>(),
         "samplers": portable.samplers.iter().map(sampler).collect::<Value>(),
         "values": values,
         "parameters": portable.parameters.iter().map(parameter).collect::<Value>(),
         "sub_frames": portable.sub_frames,
+        "motion": portable.motion.as_ref().map(motion),
     })
 }
 
@@ -103,6 +106,11 @@ fn parameter(own: &PortableParameter) -> Value {
         own.follow.iter().map(|(name, all)| (name.clone(), all.iter().map(|floats| numbers(floats)).collect()));
     value["follow"] = Value::Object(follow.collect());
     value
+}
+
+fn motion(own: &PortableMotion) -> Value {
+    let values = own.values.iter().map(|(name, all)| (name.clone(), all.iter().map(|all| numbers(all)).collect()));
+    json!({ "seconds": own.seconds, "repeats": own.repeats, "values": values.collect::<Map<_, Value>>() })
 }
 
 /// Numbers, with the largest in place of infinities, which JSON lacks.

@@ -134,23 +134,56 @@ fn a_browser_draws_the_pictures_of_render_and_changes_them() {
         let small = format!("--size {SIDE}x{SIDE} --resolution 64 --set quality.supersampling=1");
         let made = run(root, &format!("web {scene} {small} -o {number}"));
         assert!(made.status.success(), "{scene}: {}", unexpected(&made));
-        let own = root.join(number.to_string());
-        // The picture in its own size, whatever the window.
-        let style = fs::read_to_string(own.join("style.css")).unwrap();
-        fs::write(own.join("style.css"), style + "#stage { width: 128px; height: 128px; margin: 0; }").unwrap();
-        let Some(shown) = posted(root, &format!("{number}/")) else {
-            eprintln!("skipped: no browser ({})", BROWSERS.join(", "));
-            return;
-        };
-        let error = shown.get("error").map(|text| String::from_utf8_lossy(text));
-        assert!(error.is_none(), "{scene}: {}", error.unwrap());
-        let off = apart(&shown["first"], &premultiplied(&own.join("picture.png")));
+        let Some(shown) = drawn(root, &number.to_string()) else { return };
+        let off = apart(&shown["first"], &premultiplied(&root.join(number.to_string()).join("picture.png")));
         let [dragged, reset, slid] = ["dragged", "reset", "slid"].map(|name| apart(&shown["first"], &shown[name]));
         println!("{scene}: {off:.3} from render; {dragged:.2} by a drag, {slid:.2} by a slider");
         assert!(off < FAR, "{scene}: {off}");
         assert!(reset == 0.0 && slid > 0.1, "{scene}: {reset} after a reset, {slid} by a slider");
         assert!(dragged > 0.1 || scene.contains("sphere"), "{scene}: {dragged} by a drag");
     }
+}
+
+/// What a page of 128 x 128 pixels posts, its picture in its own size whatever the window; `None` without a browser.
+fn drawn(root: &Path, folder: &str) -> Option<HashMap<String, Vec<u8>>> {
+    let style = root.join(folder).join("style.css");
+    let text = fs::read_to_string(&style).unwrap();
+    fs::write(style, text + "#stage { width: 128px; height: 128px; margin: 0; }").unwrap();
+    let Some(shown) = posted(root, &format!("{folder}/")) else {
+        eprintln!("skipped: no browser ({})", BROWSERS.join(", "));
+        return None;
+    };
+    let error = shown.get("error").map(|text| String::from_utf8_lossy(text));
+    assert!(error.is_none(), "{folder}: {}", error.unwrap());
+    Some(shown)
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn keyframes_move_on_a_page_and_wider_fur_has_its_field() {
+    let root = tempfile::tempdir().unwrap();
+    let root = root.path();
+    let scene = "preset = \"fur\"\nobject.input = \"sphere\"\n[animation]\n\
+                 camera.azimuth = [{ time = 0, value = 0 }, { time = 2, value = 90 }]\n\
+                 camera.zoom = [{ time = 0, value = 1 }, { time = 2, value = 0.8 }]\n\
+                 parameters.hair_length = [{ time = 0, value = 0.1 }, { time = 2, value = 0.3, ease = \"hold\" }]\n\
+                 parameters.tip_color = [{ time = 0, value = \"#ff0000\" }, { time = 2, value = \"#00ff00\" }]\n";
+    fs::write(root.join("moving.toml"), scene).unwrap();
+    let small = format!("--size {SIDE}x{SIDE} --resolution 64 --set quality.supersampling=1");
+    let made = run(root, &format!("web moving.toml {small} -o page"));
+    assert!(made.status.success(), "{}", unexpected(&made));
+    let made = run(root, &format!("render moving.toml {small} --time 1.5 -o later.png"));
+    assert!(made.status.success(), "{}", unexpected(&made));
+    // The page begins at another time than that of its values.
+    let file = root.join("page/scene.json");
+    let mut scene: Value = serde_json::from_slice(&fs::read(&file).unwrap()).unwrap();
+    assert_eq!(scene["time"], 0.0);
+    scene["time"] = 1.5.into();
+    fs::write(file, scene.to_string()).unwrap();
+    let Some(shown) = drawn(root, "page") else { return };
+    let [off, before] =
+        ["later.png", "page/picture.png"].map(|own| apart(&shown["first"], &premultiplied(&root.join(own))));
+    assert!(off < FAR && before > 10.0, "{off} from the moment, {before} from the first one");
 }
 
 #[test]
