@@ -3,7 +3,7 @@
 use blake3::Hash;
 use glam::{DVec3, Mat3, Vec3};
 use hypertexture::output::shard::{self, Shard, Whole};
-use hypertexture::output::{Depth, Provenance};
+use hypertexture::output::{Depth, Provenance, encode_png};
 use hypertexture::render::{Frame, Measurements};
 use hypertexture::scene::{self, Scene};
 use hypertexture::shader::{Formula, Library, Slots, shipped};
@@ -21,8 +21,8 @@ pub struct Target {
     pub run: fn(&[u8]),
 }
 
-pub const TARGETS: [Target; 16] = [
-    Target { name: "obj", seeds: || vec![OBJ.into()], run: |bytes| mesh(shape::read("a.obj", bytes)) },
+pub const TARGETS: [Target; 17] = [
+    Target { name: "obj", seeds: || vec![OBJ.into()], run: |bytes| painted("a.obj", bytes) },
     Target { name: "stl", seeds: || vec![STL.into(), binary_stl()], run: |bytes| mesh(shape::read("a.stl", bytes)) },
     Target { name: "ply", seeds: || vec![PLY.into(), binary_ply()], run: |bytes| mesh(shape::read("a.ply", bytes)) },
     Target { name: "nrrd", seeds: || vec![NRRD.into(), ASCII.into()], run: |bytes| mesh(shape::read("a.nrrd", bytes)) },
@@ -32,9 +32,10 @@ pub const TARGETS: [Target; 16] = [
         seeds: || vec![nifti(false, b"n+1\0"), nifti(true, b"n+1\0"), nifti(false, b"ni1\0")],
         run: |bytes| mesh(shape::read("a.nii", bytes)),
     },
-    Target { name: "gltf", seeds: || vec![GLTF.into(), glb()], run: |bytes| mesh(shape::read("a.gltf", bytes)) },
+    Target { name: "gltf", seeds: || vec![GLTF.into(), glb()], run: |bytes| painted("a.gltf", bytes) },
     Target { name: "vdb", seeds: || vec![vdb()], run: |bytes| mesh(shape::read("a.vdb", bytes)) },
     Target { name: "dicom", seeds: || vec![dicom()], run: |bytes| mesh(shape::read("a.dcm", bytes)) },
+    Target { name: "texture", seeds: || vec![picture()], run: texture },
     Target { name: "groom", seeds: || vec![a_groom()], run: groom },
     Target { name: "scene", seeds: || vec![SCENE.into(), PRESET.into()], run: scene_of },
     Target { name: "value", seeds: || ["[1, 2.5, 3]", "\"#ffe0c0\"", "true"].map(Vec::from).into(), run: value },
@@ -55,7 +56,7 @@ const SCENE: &str = "about = \"a\"\ncombine = \"main | b\"\n[object]\ninput = \"
 const HEADER: &str = "// A.\n// Source: -\n// @param a = 0.5 in [0, 1]: A.\n// @color b = #102030: B.\n// @outer a\n// @move +y 0.5 * a + 1\n// @grow a\n// @drift a * 0.5\n// @bound 1\n// @needs normal\n// @groom length color\n// @exact procedural never\n// @loops 2\n// @places 1\n// @octaves 4\n// @period memory\n// @outside empty\n// @segments c\n#include \"hash.glsl\"\n#include <noise>\nfloat a_(float density, Sample s) { return density; }\n";
 const PRESET: &str = "preset = \"fur\"\n[parameters]\nfineness = 60\n";
 
-const GLTF: &str = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"children":[1],"scale":[1,-1,1]},{"mesh":0,"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,2,0,0,1]}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"mode":5}]}],"accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","sparse":{"count":1,"indices":{"bufferView":1,"componentType":5121},"values":{"bufferView":0}}}],"bufferViews":[{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":1,"byteLength":1}],"buffers":[{"byteLength":48,"uri":"data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/"}]}"#;
+const GLTF: &str = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"children":[1],"scale":[1,-1,1]},{"mesh":0,"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,2,0,0,1]}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"mode":5,"material":0}]}],"materials":[{"pbrMetallicRoughness":{"baseColorFactor":[1,0.5,0,1]}}],"accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","sparse":{"count":1,"indices":{"bufferView":1,"componentType":5121},"values":{"bufferView":0}}}],"bufferViews":[{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":1,"byteLength":1}],"buffers":[{"byteLength":48,"uri":"data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/"}]}"#;
 
 /// A groom whose every voxel differs.
 fn a_groom() -> Vec<u8> {
@@ -184,6 +185,41 @@ fn a_shard() -> Vec<u8> {
 
 fn text(bytes: &[u8]) -> Option<String> {
     String::from_utf8(bytes.to_vec()).ok()
+}
+
+/// A picture in PNG.
+fn picture() -> Vec<u8> {
+    let frame = Frame { size: [2, 2], pixels: vec![[0.25, 0.5, 0.75, 1.0]; 4], measurements: Default::default() };
+    encode_png(&frame, None, Depth::Eight, &provenance()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// A triangle with this texture, as GLB.
+fn texture(bytes: &[u8]) {
+    let mut json = format!(
+        r#"{{"asset":{{"version":"2.0"}},"nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"TEXCOORD_0":1}},"material":0}}]}}],"materials":[{{"pbrMetallicRoughness":{{"baseColorTexture":{{"index":0}}}}}}],"textures":[{{"source":0}}],"images":[{{"bufferView":1}}],"accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}},{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC2"}}],"bufferViews":[{{"buffer":1,"byteLength":36}},{{"buffer":0,"byteLength":{}}}],"buffers":[{{"byteLength":{0}}},{{"byteLength":36,"uri":"data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}}]}}"#,
+        bytes.len()
+    )
+    .into_bytes();
+    let mut binary = bytes.to_vec();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    binary.resize(binary.len().next_multiple_of(4), 0);
+    let chunk = |kind: &[u8; 4], bytes: &[u8]| [&(bytes.len() as u32).to_le_bytes()[..], kind, bytes].concat();
+    let chunks = [chunk(b"JSON", &json), chunk(b"BIN\0", &binary)].concat();
+    painted("a.glb", &[b"glTF\x02\0\0\0", &(chunks.len() as u32 + 12).to_le_bytes()[..], &chunks].concat());
+}
+
+/// A mesh that was read with its materials has finite colors.
+fn painted(name: &str, bytes: &[u8]) {
+    mesh(shape::read(name, bytes));
+    match shape::read_painted(name, bytes) {
+        Ok(Shape::Mesh(mesh)) => {
+            let size = mesh.bounds().size().max_element();
+            let points = mesh.colored_points(size).take(100);
+            points.for_each(|(_, color)| assert!(color.iter().all(|part| part.is_finite())));
+        }
+        Ok(_) => unreachable!("a file of meshes"),
+        Err(error) => one_line(&error.to_string()),
+    }
 }
 
 /// An object that was read is finite and in range.

@@ -16,6 +16,7 @@ mod nrrd;
 mod odd;
 mod orientation;
 mod packed;
+mod paint;
 mod ply;
 mod polygons;
 mod raw;

@@ -27,7 +27,7 @@ pub struct GroomArguments {
     /// Factor of the density, 0 to 2.
     #[arg(long, value_name = "EXPRESSION", allow_hyphen_values = true)]
     pub density: Option<String>,
-    /// Color: 0 is black, 1 the effect's own, 2 full; such as "vec3(2, 1, 1)", or a mesh with colors of its vertices.
+    /// Color: 0 is black, 1 the effect's own, 2 full; such as "vec3(2, 1, 1)", or a mesh with colors of its vertices or materials.
     #[arg(long, value_name = "EXPRESSION", allow_hyphen_values = true)]
     pub color: Option<String>,
     /// Tangent along which strands are combed, -1 to 1 along each axis.
@@ -110,16 +110,20 @@ fn fill_from_file(
     scene: &Scene,
 ) -> Result<(), Box<dyn Error>> {
     let (up, flag) = (scene.object.up, channel.name());
-    match (channel, shape::open(file)?) {
-        (Channel::Color, Shape::Mesh(mesh)) if !mesh.colors.is_empty() => {
+    let shape = if channel == Channel::Color { shape::open_painted(file)? } else { shape::open(file)? };
+    match (channel, shape) {
+        (Channel::Color, Shape::Mesh(mesh)) if mesh.is_colored() => {
             let moved = mesh.offset - subject.offset;
             let place = |p: Vec3| (up.turned(p.as_dvec3() + moved).as_vec3() - subject.center) * subject.scale;
-            let spacing = 0.5 * groom.step() / subject.scale;
+            // Textures vary within a voxel.
+            let spacing = if mesh.paint.is_textured() { 0.25 } else { 0.5 } * groom.step() / subject.scale;
             let points = mesh.colored_points(spacing).map(|(point, color)| (place(point), color));
             groom.color(points, GROWN);
             Ok(())
         }
-        (Channel::Color, _) => Err(format!("--{flag} {file}: it is no mesh with colors of its vertices").into()),
+        (Channel::Color, _) => {
+            Err(format!("--{flag} {file}: it is no mesh with colors of its vertices or materials").into())
+        }
         (Channel::Length | Channel::Density, Shape::Volume(volume)) => {
             let (first, _) = channel.place();
             for index in 0..groom.voxels() {

@@ -132,6 +132,8 @@ pub enum Location {
     Byte(u64),
     /// A face or strip of a mesh, from 0.
     Face(u64),
+    /// A material of a mesh, in backquotes.
+    Material(String),
     /// A path in JSON, as `accessors[3].count`.
     Json(String),
 }
@@ -156,6 +158,7 @@ impl fmt::Display for Location {
             Location::Layout => write!(f, "layout"),
             Location::Byte(byte) => write!(f, "byte {byte}"),
             Location::Face(face) => write!(f, "face {face} (from 0)"),
+            Location::Material(name) => write!(f, "material {name}"),
             Location::Json(path) => write!(f, "{path}"),
         }
     }

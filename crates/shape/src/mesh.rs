@@ -3,6 +3,7 @@
 //! Invariant: cleaning removes only triangles of zero area, and moves distant meshes to where f32 resolves their corners.
 
 use super::Bounds;
+use super::paint::{Paint, Spot};
 use foldhash::{HashMap, HashMapExt};
 use glam::{DVec3, Vec3};
 
@@ -20,6 +21,8 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
     /// Color of each vertex, linear RGB; empty for a mesh without.
     pub colors: Vec<[f32; 3]>,
+    /// Colors and textures of its materials, if they were asked for.
+    pub paint: Paint,
     /// Offset subtracted from the coordinates of the file before they became f32.
     ///
     /// Zero on each axis along which the mesh reaches at most 16 times the longest side of its box from the origin. On the
@@ -55,19 +58,32 @@ impl Mesh {
         self.triangles[index].map(|corner| self.positions[corner as usize])
     }
 
-    /// Points of its triangles with their colors, at most `spacing` apart, world units; none without colors.
+    /// Whether its vertices have colors, or materials that were asked for.
+    pub fn is_colored(&self) -> bool {
+        !self.colors.is_empty() || !self.paint.spots.is_empty()
+    }
+
+    /// Points of its triangles with their colors, at most `spacing` apart, world units; none without colors. The color of a
+    /// material is a factor of those of vertices.
     pub fn colored_points(&self, spacing: f32) -> impl Iterator<Item = (Vec3, [f32; 3])> + '_ {
-        let colored = self.triangles.iter().enumerate().filter(|_| self.colors.len() == self.positions.len());
+        let [has_colors, is_painted] =
+            [self.colors.len(), self.paint.spots.len()].map(|count| count == self.positions.len());
+        let colored = self.triangles.iter().enumerate().filter(move |_| has_colors || is_painted);
         colored.flat_map(move |(index, triangle)| {
             let corners @ [a, b, c] = self.corners(index);
             let longest = (b - a).length().max((c - b).length()).max((a - c).length());
             let steps = (longest / spacing).ceil().clamp(1.0, 4096.0) as u32;
-            let colors = triangle.map(|corner| Vec3::from(self.colors[corner as usize]));
+            let colors = has_colors.then(|| triangle.map(|corner| Vec3::from(self.colors[corner as usize])));
             let pairs = (0..=steps).flat_map(move |u| (0..=steps - u).map(move |v| [u, v]));
-            pairs.map(move |pair| {
+            pairs.filter_map(move |pair| {
                 let [u, v] = pair.map(|part| part as f32 / steps as f32);
                 let mix = |[a, b, c]: [Vec3; 3]| a + (b - a) * u + (c - a) * v;
-                (mix(corners), mix(colors).to_array())
+                let mut color = colors.map_or(Vec3::ONE, mix);
+                if is_painted {
+                    let painted = self.paint.color(*triangle, |[a, b, c]| a + (b - a) * u + (c - a) * v)?;
+                    color *= Vec3::from(painted);
+                }
+                Some((mix(corners), color.to_array()))
             })
         })
     }
@@ -118,13 +134,14 @@ impl Mesh {
     ///
     /// Positions become f32 relative to [`Mesh::offset`]. Every index must be below `positions.len()`.
     pub(super) fn cleaned<P: Copy + Into<DVec3>>(positions: &[P], triangles: Vec<[u32; 3]>) -> (Mesh, usize) {
-        Mesh::cleaned_with_colors(positions, &[], triangles)
+        Mesh::cleaned_with(positions, &[], &[], triangles)
     }
 
-    /// [`Mesh::cleaned`] with the color of each position, or without colors.
-    pub(super) fn cleaned_with_colors<P: Copy + Into<DVec3>>(
+    /// [`Mesh::cleaned`] with the color and the spot of each position, or without them.
+    pub(super) fn cleaned_with<P: Copy + Into<DVec3>>(
         positions: &[P],
         colors: &[[f32; 3]],
+        spots: &[Spot],
         mut triangles: Vec<[u32; 3]>,
     ) -> (Mesh, usize) {
         const UNUSED: u32 = u32::MAX;
@@ -137,19 +154,21 @@ impl Mesh {
             (b - a).cross(c - a) != DVec3::ZERO
         });
         let mut renumbered = vec![UNUSED; positions.len()];
-        let (mut kept, mut kept_colors) = (Vec::with_capacity(positions.len()), Vec::new());
+        let (mut kept, mut kept_colors, mut paint) =
+            (Vec::with_capacity(positions.len()), Vec::new(), Paint::default());
         for corner in triangles.iter_mut().flatten() {
             let new = &mut renumbered[*corner as usize];
             if *new == UNUSED {
                 *new = kept.len() as u32;
                 kept.push(near(*corner));
                 kept_colors.extend(colors.get(*corner as usize));
+                paint.spots.extend(spots.get(*corner as usize));
             }
             *corner = *new;
         }
         kept.shrink_to_fit();
         let dropped = before - triangles.len();
-        (Mesh { positions: kept, triangles, colors: kept_colors, offset }, dropped)
+        (Mesh { positions: kept, triangles, colors: kept_colors, paint, offset }, dropped)
     }
 
     /// The mesh of triangles given as three corners each; equal corners are welded.

@@ -6,6 +6,7 @@
 
 use super::error::{Location, ShapeError, quoted};
 use super::looks::linear;
+use super::mtl::{Faces, first_word};
 use super::polygon::{self, triangulate};
 use super::source::{MAX_LINE, Source, check_positions, number, tokens};
 use super::{MAX_TRIANGLES, Mesh, Shape};
@@ -13,14 +14,15 @@ use glam::DVec3;
 
 /// Reads positions and faces; polygons are triangulated.
 ///
-/// Colors follow coordinates, as many programs write them. Normals, texture coordinates, materials, groups, points, lines and fourth coordinates (weights of control points)
-/// are skipped. Curved surfaces are refused.
+/// Colors follow coordinates, as many programs write them. Normals, groups, points, lines and fourth coordinates (weights of
+/// control points) are skipped, and texture coordinates and materials unless they are asked for. Curved surfaces are refused.
 pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     let mut positions: Vec<DVec3> = Vec::new();
     let mut colors: Vec<[f32; 3]> = Vec::new();
     let mut triangles: Vec<[u32; 3]> = Vec::new();
     let mut polygon: Vec<u32> = Vec::new();
     let mut statement = Vec::new();
+    let mut faces = source.is_painted.then(Faces::default);
     // Number of faces with fewer than 3 corners and the line of the first; first unknown statement and its line.
     let (mut short, mut foreign) = ((0, 0), None);
     while let Some(line) = next_statement(source, &mut statement)? {
@@ -37,20 +39,29 @@ pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
             Some(b"f" | b"fo") => {
                 polygon.clear();
                 for word in words {
-                    polygon.push(index(source, line, word, positions.len())?);
+                    let corner = index(source, line, word, positions.len())?;
+                    polygon.push(match &mut faces {
+                        Some(faces) => faces.corner(source, line, word, (corner, positions[corner as usize]))?,
+                        None => corner,
+                    });
                 }
                 if polygon.len() < 3 {
                     short = (short.0 + 1, if short.0 == 0 { line } else { short.1 });
                     continue;
                 }
                 source.check_triangles((triangles.len() + polygon.len() - 2) as u64)?;
-                if !triangulate(&polygon, &positions, &mut triangles) {
+                if !triangulate(&polygon, faces.as_ref().map_or(&positions, |faces| &faces.positions), &mut triangles) {
                     return Err(polygon::too_large(source, Location::Line(line), polygon.len()));
                 }
             }
             Some(curve @ (b"curv" | b"curv2" | b"surf")) => {
                 let remedy = "convert curves and surfaces to polygons first";
                 return Err(source.unsupported(Location::Line(line), "the statement", quoted(curve), remedy));
+            }
+            Some(word @ (b"vt" | b"usemtl" | b"mtllib")) => {
+                if let Some(faces) = &mut faces {
+                    faces.statement(source, word, first_word(&statement).1)?;
+                }
             }
             Some(word) if foreign.is_none() && !PASSED_OVER.contains(&word) => foreign = Some((quoted(word), line)),
             _ => {}
@@ -63,14 +74,16 @@ pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     let unread =
         foreign.map_or(String::new(), |(word, line)| format!("; {word} in line {line} is not an OBJ statement"));
     let colors = if colors.len() == positions.len() { colors } else { Vec::new() };
-    source.finish(
-        Mesh::cleaned_with_colors(&positions, &colors, triangles),
-        format!("{} vertices and no face{unread}", positions.len()),
-    )
+    let holds = format!("{} vertices and no face{unread}", positions.len());
+    let found = match faces {
+        Some(faces) => faces.finish(source, &colors, triangles)?,
+        None => Mesh::cleaned_with(&positions, &colors, &[], triangles),
+    };
+    source.finish(found, holds)
 }
 
 /// Keywords of skipped statements.
-const PASSED_OVER: [&[u8]; 10] = [b"vt", b"vn", b"vp", b"o", b"g", b"s", b"l", b"p", b"usemtl", b"mtllib"];
+const PASSED_OVER: [&[u8]; 7] = [b"vn", b"vp", b"o", b"g", b"s", b"l", b"p"];
 
 /// Replaces `statement` by the next one and returns its line number. A backslash at the end continues a vertex or face on the
 /// next line.

@@ -47,6 +47,23 @@ pub fn open(name_or_path: &str) -> Result<Shape, ShapeError> {
     Ok(Opened::of(name_or_path)?.warned(name_or_path))
 }
 
+/// Opens as [`open`] does; a mesh of glTF or OBJ has the colors and textures of its materials too.
+///
+/// # Errors
+/// Those of [`open`], and those of textures.
+pub fn open_painted(name_or_path: &str) -> Result<Shape, ShapeError> {
+    Ok(Opened::with(name_or_path, Wanted { grid: None, is_painted: true })?.warned(name_or_path))
+}
+
+/// Optional parts of files.
+#[derive(Clone, Copy, Default)]
+struct Wanted<'a> {
+    /// A grid of an OpenVDB file.
+    grid: Option<&'a str>,
+    /// Colors and textures of materials.
+    is_painted: bool,
+}
+
 /// A shape with notes about its file.
 #[derive(Clone, Debug)]
 pub struct Opened {
@@ -74,7 +91,11 @@ impl Opened {
     /// # Errors
     /// Those of [`open`], and [`ShapeError::NoGrid`].
     pub fn with_grid(name_or_path: &str, grid: Option<&str>) -> Result<Opened, ShapeError> {
-        let alone = |shape, notes| match grid {
+        Opened::with(name_or_path, Wanted { grid, is_painted: false })
+    }
+
+    fn with(name_or_path: &str, wanted: Wanted) -> Result<Opened, ShapeError> {
+        let alone = |shape, notes| match wanted.grid {
             Some(grid) => Err(no_grids(shown(name_or_path), grid)),
             None => Ok(Opened { shape, notes, others: Vec::new(), grids: Vec::new() }),
         };
@@ -91,7 +112,7 @@ impl Opened {
         }
         let (opened, len) = plain::open(path, u64::MAX).map_err(|error| unopened(name_or_path, error))?;
         let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
-        parse(name_or_path, len, (Some(folder), grid), &mut BufReader::new(opened))
+        parse(name_or_path, len, (Some(folder), wanted), &mut BufReader::new(opened))
     }
 
     /// Logs the notes and returns the shape.
@@ -113,7 +134,16 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Shape, ShapeError> {
 /// # Errors
 /// Those of [`read`].
 pub fn read_noted(name: &str, mut bytes: &[u8]) -> Result<Opened, ShapeError> {
-    parse(name, bytes.len() as u64, (None, None), &mut bytes)
+    parse(name, bytes.len() as u64, (None, Wanted::default()), &mut bytes)
+}
+
+/// Like [`read`], with the colors and textures of materials.
+///
+/// # Errors
+/// Those of [`read`], and those of textures.
+pub fn read_painted(name: &str, mut bytes: &[u8]) -> Result<Shape, ShapeError> {
+    let wanted = Wanted { grid: None, is_painted: true };
+    Ok(parse(name, bytes.len() as u64, (None, wanted), &mut bytes)?.warned(name))
 }
 
 fn known_extensions() -> String {
@@ -124,11 +154,12 @@ fn known_extensions() -> String {
 fn parse(
     name: &str,
     len: u64,
-    (folder, grid): (Option<PathBuf>, Option<&str>),
+    (folder, wanted): (Option<PathBuf>, Wanted),
     reader: &mut dyn BufRead,
 ) -> Result<Opened, ShapeError> {
     let mut source = Source::new(shown(name), len, folder, reader);
-    source.grid = grid.map(str::to_owned);
+    source.grid = wanted.grid.map(str::to_owned);
+    source.is_painted = wanted.is_painted;
     if source.peek()?.is_empty() {
         return Err(ShapeError::Empty { file: source.file });
     }
@@ -143,7 +174,7 @@ fn parse(
     match format.or_else(|| by_extension(name)) {
         Some(format) => {
             let shape = (format.read)(&mut source)?;
-            if let Some(grid) = grid.filter(|_| source.grids.is_empty()) {
+            if let Some(grid) = wanted.grid.filter(|_| source.grids.is_empty()) {
                 return Err(no_grids(source.file, grid));
             }
             let (notes, others) = (source.notes.into_inner(), source.others.into_inner());

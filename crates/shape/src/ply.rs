@@ -368,7 +368,7 @@ impl Parts {
             source.note(format!("faces and strips of fewer than 3 corners are left out: {short}"));
         }
         source.finish(
-            Mesh::cleaned_with_colors(&self.positions, &self.colors, triangles),
+            Mesh::cleaned_with(&self.positions, &self.colors, &[], triangles),
             format!("{count} vertices and no face"),
         )
     }

@@ -10,7 +10,7 @@ use std::cell::RefCell;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Component, Path, PathBuf};
 use std::str::FromStr;
-use support::open::{self, Home, MARK};
+use support::open::{self, Home, MARK, OpenError};
 
 /// Longest line in bytes, with its end.
 pub(super) const MAX_LINE: usize = 1 << 20;
@@ -35,6 +35,8 @@ pub(super) struct Source<'a> {
     pub folder: Option<PathBuf>,
     /// Requested grid of an OpenVDB file.
     pub grid: Option<String>,
+    /// Whether colors and textures of materials are asked for.
+    pub is_painted: bool,
     /// Names and types of the grids of an OpenVDB file.
     pub grids: Vec<String>,
     /// Notes for the user, see [`Source::note`].
@@ -54,6 +56,7 @@ impl<'a> Source<'a> {
             end: b'\n',
             folder,
             grid: None,
+            is_painted: false,
             grids: Vec::new(),
             notes: RefCell::default(),
             others: RefCell::default(),
@@ -91,7 +94,10 @@ impl<'a> Source<'a> {
         let file = shown(&path.to_string_lossy());
         let (opened, len) = open::open(&path, u64::MAX).map_err(|error| ShapeError::Unreadable {
             file: format!("{}: its data file {file}", self.file),
-            reason: error.into(),
+            reason: match error {
+                OpenError::Missing => io::Error::other("there is no such file; copy it there, or correct its name"),
+                other => other.into(),
+            },
         })?;
         self.others.borrow_mut().push(path);
         let mut reader = BufReader::new(opened);

@@ -62,6 +62,7 @@ impl<'a, const N: usize> Elements<'a, N> {
         let at = |field: &str| format!("accessors[{index}].{field}");
         let (kind, expected) = match N {
             1 => ("SCALAR", "`SCALAR`"),
+            2 => ("VEC2", "`VEC2`"),
             4 => ("VEC4", "`VEC4`"),
             _ => ("VEC3", "`VEC3`"),
         };

@@ -65,7 +65,7 @@ impl<'a, 's> Data<'a, 's> {
                 match cell.get() {
                     Some(bytes) => bytes,
                     None => {
-                        let bytes = self.load(&uri.0, buffer.byte_length, || format!("buffers[{index}].uri"))?;
+                        let bytes = self.load(&uri.0, Some(buffer.byte_length), || format!("buffers[{index}].uri"))?;
                         cell.get_or_init(|| bytes)
                     }
                 }
@@ -78,8 +78,8 @@ impl<'a, 's> Data<'a, 's> {
         })
     }
 
-    /// Loads a URI, at least the declared bytes.
-    fn load(&self, uri: &str, declared: u64, place: impl Fn() -> String) -> Result<Vec<u8>, ShapeError> {
+    /// Loads a URI, at least the declared bytes, or the whole file.
+    pub fn load(&self, uri: &str, declared: Option<u64>, place: impl Fn() -> String) -> Result<Vec<u8>, ShapeError> {
         let found = || quoted(uri.as_bytes());
         if let Some(uri) = uri.strip_prefix("data:") {
             let Some((_, text)) = uri.split_once(',').filter(|(about, _)| about.ends_with(";base64")) else {
@@ -93,12 +93,15 @@ impl<'a, 's> Data<'a, 's> {
             return Err(unsupported(self.source, place(), "the address", found(), remedy));
         }
         let name = decoded(uri).ok_or_else(|| malformed(self.source, place(), "the name of a file", found()))?;
-        let side = self.side_bytes.get().saturating_add(declared);
-        if side > MAX_SIDE_BYTES {
-            return Err(self.source.too_large("bytes of data beside it", side, MAX_SIDE_BYTES));
-        }
-        self.side_bytes.set(side);
-        let read = self.source.beside(&name, |side| side.block(declared, "the length of the buffer"));
+        let read = self.source.beside(&name, |side| {
+            let bytes = declared.unwrap_or(side.len);
+            let all = self.side_bytes.get().saturating_add(bytes);
+            if all > MAX_SIDE_BYTES {
+                return Err(self.source.too_large("bytes of data beside it", all, MAX_SIDE_BYTES));
+            }
+            self.side_bytes.set(all);
+            side.block(bytes, "the length of the buffer")
+        });
         read.map_err(|error| error.placed(Location::Json(place())))
     }
 }

@@ -250,10 +250,15 @@ pub fn entry<'b, T>(
     list.get(index as usize).ok_or_else(missing)
 }
 
+/// The part of the JSON that `T` describes.
+pub fn json_as<'a, T: Deserialize<'a>>(source: &Source, json: &'a [u8]) -> Result<T, ShapeError> {
+    let json = json.strip_prefix(MARK).unwrap_or(json); // some GLB files have a mark
+    serde_json::from_slice(json).map_err(|error| refusal::<T>(source, json, &error))
+}
+
 /// Parses and checks the JSON.
 pub fn parse<'a>(source: &Source, json: &'a [u8]) -> Result<Document<'a>, ShapeError> {
-    let json = json.strip_prefix(MARK).unwrap_or(json); // some GLB files have a mark
-    let document: Document = serde_json::from_slice(json).map_err(|error| refusal(source, json, &error))?;
+    let document: Document = json_as(source, json)?;
     for (version, name) in
         [(Some(&document.asset.version), "version"), (document.asset.min_version.as_ref(), "minVersion")]
     {
@@ -269,7 +274,7 @@ pub fn parse<'a>(source: &Source, json: &'a [u8]) -> Result<Document<'a>, ShapeE
 }
 
 /// Error of the JSON parser in terms of glTF.
-fn refusal(source: &Source, json: &[u8], error: &serde_json::Error) -> ShapeError {
+fn refusal<'a, T: Deserialize<'a>>(source: &Source, json: &'a [u8], error: &serde_json::Error) -> ShapeError {
     let message = error.to_string();
     let line = json.split(|byte| *byte == b'\n').nth(error.line().saturating_sub(1)).unwrap_or_default();
     let read = &line[..error.column().min(line.len())];
@@ -281,7 +286,7 @@ fn refusal(source: &Source, json: &[u8], error: &serde_json::Error) -> ShapeErro
             source.too_large("entries in a list of the JSON", found, MAX_ENTRIES as u64)
         }
         Category::Data => {
-            let path = serde_path_to_error::deserialize::<_, Document>(&mut serde_json::Deserializer::from_slice(json));
+            let path = serde_path_to_error::deserialize::<_, T>(&mut serde_json::Deserializer::from_slice(json));
             let path = path.err().map(|error| shown(&error.path().to_string())).filter(|path| path != ".");
             let place = path.map_or(Location::Header, Location::Json);
             let missing = message.strip_prefix("missing field ").and_then(|rest| rest.split_whitespace().next());
@@ -294,7 +299,7 @@ fn refusal(source: &Source, json: &[u8], error: &serde_json::Error) -> ShapeErro
 }
 
 /// Deserializes a list of at most [`MAX_ENTRIES`].
-fn list<'de, D: Deserializer<'de>, T: Deserialize<'de>>(from: D) -> Result<Vec<T>, D::Error> {
+pub fn list<'de, D: Deserializer<'de>, T: Deserialize<'de>>(from: D) -> Result<Vec<T>, D::Error> {
     struct Entries<T>(PhantomData<T>);
     impl<'de, T: Deserialize<'de>> Visitor<'de> for Entries<T> {
         type Value = Vec<T>;

@@ -3,6 +3,7 @@
 mod accessor;
 mod buffer;
 mod document;
+mod material;
 mod primitive;
 mod read;
 mod scene;

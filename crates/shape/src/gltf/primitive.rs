@@ -6,8 +6,10 @@
 use super::accessor::Elements;
 use super::buffer::Data;
 use super::document::{Primitive, malformed};
+use super::material::Materials;
 use crate::SampleType::{F32, I8, I16, U8, U16, U32};
 use crate::error::ShapeError;
+use crate::paint::Spot;
 use glam::{DAffine3, DVec3};
 use std::collections::HashMap;
 
@@ -17,6 +19,8 @@ pub struct MeshPart {
     pub positions: Vec<DVec3>,
     /// Linear RGB of each position; white where a primitive has no colors.
     pub colors: Vec<[f32; 3]>,
+    /// Spots of the positions; empty unless materials are asked for.
+    pub spots: Vec<Spot>,
     /// Whether a primitive has colors.
     pub is_colored: bool,
     pub triangles: Vec<[u32; 3]>,
@@ -65,8 +69,12 @@ impl<'a> Colors<'a> {
 }
 
 impl MeshPart {
-    /// Reads a mesh; `declared` sums the triangles of all meshes.
-    pub fn read(data: &Data, mesh: u32, declared: &mut u64) -> Result<MeshPart, ShapeError> {
+    /// Reads a mesh, with materials if they are asked for; `declared` sums the triangles of all meshes.
+    pub fn read(
+        (data, materials): (&Data, Option<&Materials>),
+        mesh: u32,
+        declared: &mut u64,
+    ) -> Result<MeshPart, ShapeError> {
         let mut part = MeshPart::default();
         for (index, primitive) in data.document.meshes[mesh as usize].primitives.iter().enumerate() {
             let at = |field: &str| format!("meshes[{mesh}].primitives[{index}]{field}");
@@ -74,7 +82,7 @@ impl MeshPart {
             part.morphs |= primitive.targets.as_ref().is_some_and(|targets| !targets.is_empty());
             match primitive.mode.unwrap_or(4) {
                 0..=3 => part.points_and_lines += 1,
-                mode @ 4..=6 => part.add(data, primitive, mode, declared, at)?,
+                mode @ 4..=6 => part.add((data, materials), primitive, [mesh, index as u32, mode], declared, at)?,
                 mode => return Err(malformed(data.source, at(".mode"), "0 to 6", mode)),
             }
         }
@@ -88,9 +96,9 @@ impl MeshPart {
 
     fn add(
         &mut self,
-        data: &Data,
+        (data, materials): (&Data, Option<&Materials>),
         primitive: &Primitive,
-        mode: u32,
+        [mesh, index, mode]: [u32; 3],
         declared: &mut u64,
         at: impl Fn(&str) -> String,
     ) -> Result<(), ShapeError> {
@@ -103,6 +111,7 @@ impl MeshPart {
         let colors = primitive.attributes.color.map(|index| Colors::read(data, index, || at(".attributes.COLOR_0")));
         let colors = colors.transpose()?.filter(|colors| colors.count() >= positions.count);
         self.is_colored |= colors.is_some();
+        let spots = materials.map(|all| all.spots(data, [mesh, index], positions.count)).transpose()?;
         let indices =
             primitive.indices.map(|index| Elements::<1>::read(data, index, &[U8, U16, U32], || at(".indices")));
         let indices = indices.transpose()?;
@@ -142,6 +151,7 @@ impl MeshPart {
                 *renumbered.entry(corner).or_insert_with(|| {
                     self.positions.push(position);
                     self.colors.push(colors.as_ref().map_or([1.0; 3], |colors| colors.get(corner)));
+                    self.spots.extend(spots.as_ref().map(|spots| spots.at(corner)));
                     self.positions.len() as u32 - 1
                 })
             };

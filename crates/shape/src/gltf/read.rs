@@ -4,6 +4,7 @@
 //! Group, "glTF 2.0 specification", 2021 (ISO/IEC 12113).
 
 use super::buffer::Data;
+use super::material::Materials;
 use super::{document, scene};
 use crate::error::{Found, Location, ShapeError, quoted};
 use crate::source::Source;
@@ -24,18 +25,24 @@ pub(crate) fn recognizes(start: &[u8], _len: u64) -> bool {
 
 /// Reads the triangles of the visible nodes of the default scene (else the first, else of all nodes).
 ///
-/// Cameras, lights, materials, textures and normals are skipped. Points, lines and primitives without positions are left out,
-/// and skins and morph targets are not applied, with notes. Compressed and instanced geometry is refused.
+/// Cameras, lights and normals are skipped, and materials and textures unless they are asked for. Points, lines and primitives
+/// without positions are left out, and skins and morph targets are not applied, with notes. Compressed and instanced geometry
+/// is refused.
 pub(crate) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     let (json, binary) = match source.peek()?.starts_with(b"glTF") {
         true => chunks(source)?,
         false => (json(source, source.remaining())?, None),
     };
     let document = document::parse(source, &json)?;
-    let found = scene::read(&Data::new(source, &document, binary))?;
+    let materials = source.is_painted.then(|| Materials::parse(source, &json)).transpose()?;
+    let data = Data::new(source, &document, binary);
+    let mut found = scene::read(&data, materials.as_ref())?;
+    let materials = materials.map(|materials| materials.used(&data, &mut found.spots)).transpose()?;
+    drop(data);
     let holds = if found.notes.is_empty() { "no mesh in the scene".into() } else { found.notes.join("; ") };
     found.notes.into_iter().for_each(|note| source.note(note));
-    let (mesh, zero_area) = Mesh::cleaned_with_colors(&found.positions, &found.colors, found.triangles);
+    let (mut mesh, zero_area) = Mesh::cleaned_with(&found.positions, &found.colors, &found.spots, found.triangles);
+    mesh.paint.materials = materials.unwrap_or_default();
     source.finish((mesh, zero_area + found.zero_area), holds)
 }
 

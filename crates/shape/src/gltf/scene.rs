@@ -4,8 +4,10 @@
 
 use super::buffer::Data;
 use super::document::{Document, Node, entry, malformed};
+use super::material::Materials;
 use super::primitive::MeshPart;
 use crate::error::ShapeError;
+use crate::paint::Spot;
 use crate::source::{Source, check_positions};
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 
@@ -17,6 +19,8 @@ pub struct SceneMesh {
     pub positions: Vec<DVec3>,
     /// Linear RGB of each position; empty without colors.
     pub colors: Vec<[f32; 3]>,
+    /// Spots of the positions; empty unless materials are asked for.
+    pub spots: Vec<Spot>,
     pub triangles: Vec<[u32; 3]>,
     /// Dropped triangles.
     pub zero_area: usize,
@@ -71,7 +75,7 @@ impl Visits<'_, '_> {
 }
 
 /// Reads the triangles of the default scene, else of the first, else of all nodes.
-pub fn read(data: &Data) -> Result<SceneMesh, ShapeError> {
+pub fn read(data: &Data, materials: Option<&Materials>) -> Result<SceneMesh, ShapeError> {
     let (source, document) = (data.source, data.document);
     let mut visits = Visits { source, document, nodes: Vec::new(), named: vec![false; document.nodes.len()] };
     visits.begin()?;
@@ -93,7 +97,7 @@ pub fn read(data: &Data) -> Result<SceneMesh, ShapeError> {
         let slot = &mut parts[mesh as usize];
         let part = match slot {
             Some(part) => part,
-            None => slot.insert(MeshPart::read(data, mesh, &mut declared)?),
+            None => slot.insert(MeshPart::read((data, materials), mesh, &mut declared)?),
         };
         (triangles, positions) = (triangles + part.triangles.len(), positions + part.positions.len());
         source.check_triangles(triangles as u64)?;
@@ -120,6 +124,7 @@ pub fn read(data: &Data) -> Result<SceneMesh, ShapeError> {
     let mut found = SceneMesh {
         positions: Vec::with_capacity(positions),
         colors: Vec::new(),
+        spots: Vec::new(),
         triangles: Vec::with_capacity(triangles),
         zero_area: 0,
         notes: Vec::new(),
@@ -141,6 +146,7 @@ impl SceneMesh {
         let (first, mirrored) = (self.positions.len() as u32, world.matrix3.determinant() < 0.0);
         self.positions.extend(part.at(world));
         self.colors.extend(&part.colors);
+        self.spots.extend(&part.spots);
         self.triangles.extend(part.triangles.iter().map(|triangle| {
             let [a, b, c] = triangle.map(|corner| first + corner);
             if mirrored { [a, c, b] } else { [a, b, c] }

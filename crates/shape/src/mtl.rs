@@ -1,0 +1,257 @@
+//! Materials of Wavefront OBJ: colors and textures of its faces.
+//!
+//! Role: `vt`, `usemtl` and `mtllib` of an OBJ file, `Kd` and `map_Kd` of MTL files. Invariant: a file is read only for a face
+//! that uses it. Source: Alias|Wavefront, "MTL material format (Lightwave, OBJ)", 1995. A texture replaces `Kd`, which many
+//! programs leave at 0.8 or black beside it.
+
+use super::Mesh;
+use super::error::{Location, ShapeError, quoted};
+use super::looks::linear;
+use super::paint::{Material, Spot, Textures, check_spots};
+use super::source::{Source, number, tokens};
+use super::texture::{Texture, Wrap};
+use foldhash::HashMap;
+use glam::DVec3;
+use std::path::Path;
+
+/// No texture coordinates.
+const NONE: u32 = u32::MAX;
+
+/// Corners of faces with their materials.
+#[derive(Default)]
+pub(super) struct Faces {
+    coordinates: Vec<[f64; 2]>,
+    library: HashMap<Vec<u8>, Mtl>,
+    /// Materials in the order of their first use, and the first line of a face of each without texture coordinates.
+    materials: Vec<(Vec<u8>, Option<u64>)>,
+    numbers: HashMap<Vec<u8>, u32>,
+    /// Number of the material of the next faces.
+    material: u32,
+    /// Vertex of each position with its texture coordinates and material.
+    vertices: HashMap<[u32; 3], u32>,
+    /// Positions of the vertices.
+    pub positions: Vec<DVec3>,
+    corners: Vec<[u32; 3]>,
+}
+
+/// A material of an MTL file.
+#[derive(Default)]
+struct Mtl {
+    color: Option<[f32; 3]>,
+    map: Option<Map>,
+}
+
+/// A texture of a material.
+struct Map {
+    /// Its file, beside the OBJ file or below.
+    file: String,
+    scale: [f64; 2],
+    offset: [f64; 2],
+    wrap: Wrap,
+}
+
+impl Faces {
+    /// Takes up a statement other than a face.
+    pub fn statement(&mut self, source: &Source, word: &[u8], rest: &[u8]) -> Result<(), ShapeError> {
+        match word {
+            b"vt" => {
+                let [u, v] = match tokens(rest).map(number).collect::<Vec<Option<f64>>>()[..] {
+                    [Some(u)] => [u, 0.0],
+                    [Some(u), Some(v), ..] => [u, v],
+                    _ => return Err(source.malformed("texture coordinates (1 to 3 numbers after `vt`)", rest)),
+                };
+                self.coordinates.push([u, v]);
+                // As many as there may be corners.
+                source.check_triangles((self.coordinates.len() as u64).div_ceil(3))
+            }
+            b"usemtl" => {
+                self.material = self.numbered(rest);
+                Ok(())
+            }
+            _ => {
+                let is_name = |word: &&[u8]| word.to_ascii_lowercase().ends_with(b".mtl");
+                // One name with spaces, or several without.
+                let names: Vec<&[u8]> = match tokens(rest).filter(is_name).count() {
+                    0 | 1 => vec![rest],
+                    _ => tokens(rest).collect(),
+                };
+                names.into_iter().try_for_each(|name| {
+                    let name = file_name(name);
+                    let folder = Path::new(&name).parent().unwrap_or(Path::new("")).to_path_buf();
+                    let read = source.beside(&name, |part| self.read(part, &folder));
+                    read.map_err(|error| error.placed(Location::Line(source.line)))
+                })
+            }
+        }
+    }
+
+    fn numbered(&mut self, name: &[u8]) -> u32 {
+        let next = self.materials.len() as u32;
+        *self.numbers.entry(name.to_vec()).or_insert_with(|| {
+            self.materials.push((name.to_vec(), None));
+            next
+        })
+    }
+
+    /// The vertex of a corner as `7`, `7/2`, `7//3` or `7/2/3`, whose position has an index and a place.
+    pub fn corner(
+        &mut self,
+        source: &Source,
+        line: u64,
+        word: &[u8],
+        (index, place): (u32, DVec3),
+    ) -> Result<u32, ShapeError> {
+        if self.materials.is_empty() {
+            self.material = self.numbered(b"");
+        }
+        let digits = word.split(|&byte| byte == b'/').nth(1).unwrap_or_default();
+        let count = self.coordinates.len() as i64;
+        let from_zero = number(digits).and_then(|at: i64| at.checked_add(if at < 0 { count } else { -1 }));
+        let coordinate = match from_zero {
+            _ if digits.is_empty() => {
+                self.materials[self.material as usize].1.get_or_insert(line);
+                NONE
+            }
+            Some(at) if (0..count).contains(&at) => at as u32,
+            _ => return Err(source.malformed("the index of texture coordinates above this line (2 in 7/2)", word)),
+        };
+        let corner = [index, coordinate, self.material];
+        Ok(*self.vertices.entry(corner).or_insert_with(|| {
+            self.positions.push(place);
+            self.corners.push(corner);
+            self.corners.len() as u32 - 1
+        }))
+    }
+
+    /// Reads an MTL file, which lies in `folder` below that of the OBJ file.
+    fn read(&mut self, source: &mut Source, folder: &Path) -> Result<(), ShapeError> {
+        let (mut line, mut own) = (Vec::new(), &mut Mtl::default());
+        while source.next_line(&mut line)? {
+            let (word, rest) = first_word(&line);
+            match &*word.to_ascii_lowercase() {
+                b"newmtl" => own = self.library.entry(rest.to_vec()).or_default(),
+                b"kd" => {
+                    let rgb = match tokens(rest).map(number).collect::<Vec<_>>()[..] {
+                        [Some(gray)] => [gray; 3],
+                        [Some(r), Some(g), Some(b), ..] => [r, g, b],
+                        _ => return Err(source.malformed("a color (3 numbers after `Kd`)", rest)),
+                    };
+                    own.color = Some(rgb.map(linear));
+                }
+                b"map_kd" => own.map = Some(Map::read(source, rest, folder)?),
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// The mesh of the triangles of its vertices. Textures come before colors of vertices, and those before colors of materials.
+    pub fn finish(
+        self,
+        source: &Source,
+        colors: &[[f32; 3]],
+        triangles: Vec<[u32; 3]>,
+    ) -> Result<(Mesh, usize), ShapeError> {
+        let mut is_used = vec![false; self.materials.len()];
+        self.corners.iter().for_each(|[.., material]| is_used[*material as usize] = true);
+        let mut materials = vec![Material::default(); self.materials.len()];
+        let (mut maps, mut textures) = (vec![None; self.materials.len()], Textures::default());
+        for (index, (name, bare)) in self.materials.iter().enumerate().filter(|(index, _)| is_used[*index]) {
+            let Some(mtl) = self.library.get(name) else {
+                if !name.is_empty() {
+                    source.note(format!("faces of material {} stay unpainted, no file of mtllib has it", quoted(name)));
+                }
+                continue;
+            };
+            materials[index].color = mtl.color;
+            let Some(map) = &mtl.map else { continue };
+            if let Some(line) = bare {
+                let expected = "texture coordinates in a face with a texture, as 7/2";
+                let found = format!("none, and material {}", quoted(name));
+                return Err(source.malformed_at(Location::Line(*line), expected, found));
+            }
+            let place = Location::Material(quoted(name));
+            let texture = textures.named(source, map.file.clone(), || {
+                source.beside(&map.file, |part| {
+                    let bytes = part.block(part.len, "a picture")?;
+                    Texture::decode(part, place.clone(), &bytes)
+                })
+            });
+            let texture = Some(texture.map_err(|error| error.placed(place))?);
+            materials[index] = Material { color: Some([1.0; 3]), texture, wraps: [map.wrap; 2] };
+            maps[index] = Some(map);
+        }
+        let has_texture = maps.iter().any(Option::is_some);
+        let has_colors = !has_texture && !colors.is_empty();
+        let has_spots = has_texture || !has_colors && materials.iter().any(|material| material.color.is_some());
+        let own = self.corners.iter().filter(|_| has_colors).map(|[position, ..]| colors[*position as usize]);
+        let spots = self.corners.iter().filter(|_| has_spots).map(|[_, coordinates, material]| {
+            let uv = self.coordinates.get(*coordinates as usize).copied().unwrap_or_default();
+            let uv = maps[*material as usize].map_or(uv, |map| map.moved(uv));
+            Spot { material: *material, uv: uv.map(|part| part as f32) }
+        });
+        let (own, spots): (Vec<_>, Vec<_>) = (own.collect(), spots.collect());
+        check_spots(source, &spots)?;
+        let (mut mesh, dropped) = Mesh::cleaned_with(&self.positions, &own, &spots, triangles);
+        mesh.paint.materials = materials;
+        Ok((mesh, dropped))
+    }
+}
+
+impl Map {
+    /// Reads the options of a texture and its name. Options that change no place are passed over.
+    fn read(source: &Source, mut rest: &[u8], folder: &Path) -> Result<Map, ShapeError> {
+        let mut map = Map { file: String::new(), scale: [1.0; 2], offset: [0.0; 2], wrap: Wrap::Repeat };
+        while rest.starts_with(b"-") {
+            let (option, after) = first_word(rest);
+            rest = after;
+            let mut values = Vec::new();
+            let most = match option {
+                b"-s" | b"-o" | b"-t" => 3,
+                b"-mm" => 2,
+                b"-blendu" | b"-blendv" | b"-cc" | b"-clamp" | b"-bm" | b"-boost" | b"-texres" | b"-imfchan" => 1,
+                _ => return Err(source.malformed("an option of MTL, or the name of a texture", option)),
+            };
+            while values.len() < most {
+                let (value, after) = first_word(rest);
+                if most == 3 && number::<f64>(value).is_none() {
+                    break;
+                }
+                values.push(value);
+                rest = after;
+            }
+            let numbers = |own: [f64; 2]| {
+                [0, 1].map(|axis| values.get(axis).and_then(|value| number(value)).unwrap_or(own[axis]))
+            };
+            match option {
+                b"-s" => map.scale = numbers(map.scale),
+                b"-o" => map.offset = numbers(map.offset),
+                b"-clamp" if values == [b"on"] => map.wrap = Wrap::Clamp,
+                _ => {}
+            }
+        }
+        if rest.is_empty() {
+            return Err(source.malformed("the name of a texture after `map_Kd`", rest));
+        }
+        map.file = folder.join(file_name(rest)).to_string_lossy().into_owned();
+        Ok(map)
+    }
+
+    /// Texture coordinates with v from the first row on; those of OBJ begin at the last.
+    fn moved(&self, uv: [f64; 2]) -> [f64; 2] {
+        let [u, v] = [0, 1].map(|axis| uv[axis] * self.scale[axis] + self.offset[axis]);
+        [u, 1.0 - v]
+    }
+}
+
+/// The first word of a text, and the rest.
+pub(super) fn first_word(text: &[u8]) -> (&[u8], &[u8]) {
+    let text = text.trim_ascii();
+    let end = text.iter().position(u8::is_ascii_whitespace).unwrap_or(text.len());
+    (&text[..end], text[end..].trim_ascii())
+}
+
+/// A name with the separators of folders that this system has.
+fn file_name(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).replace('\\', "/")
+}
