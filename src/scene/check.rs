@@ -16,6 +16,7 @@ impl Scene {
     /// # Errors
     /// The first error, with field, value and allowed values.
     pub fn check(&self, library: &Library) -> Result<Parameters, SceneError> {
+        self.check_names()?;
         let moment = self.moment()?;
         let declared = moment.check_still(library)?;
         self.check_keys_of_parameters(&declared)?;

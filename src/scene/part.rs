@@ -1,6 +1,6 @@
 //! Additional objects of a scene, each with its own effect, and their combination.
 
-use super::schema::{self, Filled};
+use super::schema::{self, Changes, Filled, Kind, Setting};
 use super::setting::settings;
 use super::{Effect, Integration, Material, Object, ParameterValue, Scene, SceneError, Storage, Transfer};
 use crate::shader::slots::{FORMULA, MAIN};
@@ -31,6 +31,19 @@ pub struct Part {
     pub transfer: Transfer,
     /// Its placement.
     pub transform: Transform,
+    /// Whether it is left out of the picture and of its program.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub hidden: bool,
+}
+
+impl Part {
+    /// The settings that only additional objects have, besides [`Transform::SETTINGS`].
+    pub const SETTINGS: &[Setting] = &[Setting::new(
+        "hidden",
+        "Whether an additional object is left out of the picture and of its program.",
+        Changes::Images,
+        Kind::Switch,
+    )];
 }
 
 settings! {
@@ -128,6 +141,42 @@ impl Scene {
         Formula::parse(&self.formula_text())
     }
 
+    /// The scene without its hidden objects, and without those that change nothing then.
+    ///
+    /// # Errors
+    /// The formula is malformed, or has no object of the scene without the hidden ones.
+    pub(super) fn without_hidden(mut self) -> Result<Scene, SceneError> {
+        let formula = self.formula().map_err(|error| SceneError::Formula(error.to_string()))?;
+        let is_hidden = |name: &str| self.parts.get(name).is_some_and(|part| part.hidden);
+        let left = formula.without(&is_hidden).ok().filter(|left| left.objects().contains_key(MAIN));
+        let Some(left) = left else {
+            let hidden = self.parts.keys().filter(|name| is_hidden(name)).cloned().collect::<Vec<_>>().join(", ");
+            let limit = format!("must keep `{MAIN}` without hidden objects; show {hidden}, or change the formula");
+            return Err(SceneError::value("combine", self.formula_text(), limit));
+        };
+        let (before, after) = (formula.objects(), left.objects());
+        self.parts.retain(|name, part| {
+            !part.hidden && (after.contains_key(name.as_str()) || !before.contains_key(name.as_str()))
+        });
+        self.combine = self.combine.filter(|_| !self.parts.is_empty()).map(|_| left.to_string());
+        Ok(self)
+    }
+
+    /// Checks the names of the additional objects.
+    pub(super) fn check_names(&self) -> Result<(), SceneError> {
+        let letters = |name: &str| name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit());
+        let good = |name: &str| {
+            letters(name) && name.starts_with(|c: char| c.is_ascii_lowercase()) && name != MAIN && name.len() <= 32
+        };
+        match self.parts.keys().find(|name| !good(name)) {
+            None => Ok(()),
+            Some(name) => {
+                let limit = format!("must be lower-case letters and digits, at most 32, and not `{MAIN}`");
+                Err(SceneError::value("name in parts", name, limit))
+            }
+        }
+    }
+
     /// Adds the modules of the additional objects and of the formula.
     pub(super) fn fill_parts(&self, library: &Library, slots: &mut Slots) {
         slots.insert("classify".into(), vec!["objects".into()]);
@@ -168,11 +217,6 @@ impl Scene {
             );
         }
         for (name, part) in &self.parts {
-            let letters = name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit());
-            if !letters || !name.starts_with(|c: char| c.is_ascii_lowercase()) || name == MAIN || name.len() > 32 {
-                let limit = format!("must be lower-case letters and digits, at most 32, and not `{MAIN}`");
-                return wrong("name in parts".into(), name, limit);
-            }
             if part.object.stretch != [1.0; 3] {
                 let value = format!("{:?}", part.object.stretch);
                 return wrong(
@@ -239,6 +283,13 @@ mod tests {
             ("combine = 'main |'\n[parts.b]", "combine = `main |`: a name is missing at character 7"),
             ("[parts.B]", "name in parts = B: must be lower-case"),
             ("[parts.main]", "and not `main`"),
+            ("[parts.B]\nhidden = true", "name in parts = B: must be lower-case"),
+            (
+                "combine = 'main & b'\n[parts.b]\nhidden = true",
+                "combine = main & b: must keep `main` without hidden objects; show b, or change the formula",
+            ),
+            ("combine = 'main & b | c'\n[parts.b]\nhidden = true\n[parts.c]", "show b, or change"),
+            ("combine = 'main | b'\n[parts.b]\nhidden = true\n[parts.c]", "must use every object, and `c` is missing"),
             ("[parts.b.transform]\nscale = 0", "parts.b.transform.scale = 0: must be from 0.01 to 100"),
             ("[parts.b.object]\nstretch = [1, 2, 1]", "parts.b.object.stretch"),
             ("[parts.b.effect]\nclassify = 'post'", "effect.classify of b = post: surface or soft"),
@@ -261,6 +312,29 @@ mod tests {
             let error = refusal(text);
             assert!(error.contains(expected), "{text}: {error}");
         }
+    }
+
+    #[test]
+    fn a_scene_with_hidden_objects_is_the_scene_without_them() {
+        for (combine, hidden, expected) in [
+            ("main - b | c", "b", "combine = 'main | c'\n[parts.c]"),
+            ("main & !(b | c)", "c", "combine = 'main - b'\n[parts.b]"),
+            ("main | b & c", "b", ""),
+            ("main | b", "b", ""),
+        ] {
+            let parts = |name: &str| match combine.contains(name) {
+                true => format!("[parts.{name}]\nhidden = {}\n", name == hidden),
+                false => String::new(),
+            };
+            let scene = parse(&format!("combine = '{combine}'\n{}{}", parts("b"), parts("c")), "x").unwrap();
+            assert_eq!(*scene.moment().unwrap(), parse(expected, "x").unwrap(), "{combine} without {hidden}");
+            assert_eq!(parse(&crate::scene::to_text(&scene), "y").unwrap(), scene);
+        }
+        let shown = parse("[parts.b]\nhidden = false", "x").unwrap();
+        assert!(
+            !crate::scene::to_text(&shown).contains("hidden"),
+            "a scene without hidden objects has the text of before"
+        );
     }
 
     #[test]

@@ -3,7 +3,7 @@
 //! Role: [`SETTINGS`] determines the ranges that scenes are checked by, the flags of the command line and their help, the
 //! controls of the window, the commands that it copies, the stages that a change rebuilds, and `docs/settings.md`.
 
-use super::{Animation, Camera, Effect, Light, Material, Object, Picture, Quality, Scene, Transfer, Transform};
+use super::{Animation, Camera, Effect, Light, Material, Object, Part, Picture, Quality, Scene, Transfer, Transform};
 use std::sync::LazyLock;
 
 pub use super::setting::{Changes, Filled, Flag, Kind, Range, Setting, float};
@@ -12,6 +12,7 @@ pub use super::setting::{Changes, Filled, Flag, Kind, Range, Setting, float};
 pub static SETTINGS: LazyLock<Vec<Setting>> = LazyLock::new(|| {
     [
         Scene::SETTINGS,
+        Part::SETTINGS,
         Object::SETTINGS,
         Transform::SETTINGS,
         Effect::SETTINGS,

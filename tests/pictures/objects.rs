@@ -3,6 +3,7 @@
 use crate::common::{difference, homogeneous, picture, rays, with_gpu};
 use glam::DVec3;
 use hypertexture::gpu::Gpu;
+use hypertexture::render::variant::Variant;
 use hypertexture::scene::{self, Boolean, EmptySpace, ParameterValue, Part, Pass, Projection, Scene, Transform};
 use hypertexture::shader::{self, Library};
 
@@ -270,4 +271,27 @@ fn an_error_in_a_module_of_a_further_object_names_object_module_and_line() {
     let variant = hypertexture::render::variant::Variant::of(&scene, &library).expect("the modules exist");
     let error = variant.program(&library, hypertexture::shader::Linker::new).expect_err("qq is nothing").to_string();
     assert!(error.contains("b:dmf/bad.glsl:2: error: 'qq'"), "{error}");
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_hidden_object_is_out_of_the_picture_and_of_the_program() {
+    let library = library();
+    let whole = levels("main - b | c", Boolean::Algebraic, &[("main", 0.75), ("b", 0.4), ("c", 0.1)]);
+    with_gpu(|gpu| {
+        for (hidden, formula) in
+            [(&["b"][..], Some("main | c")), (&["c"][..], Some("main - b")), (&["b", "c"][..], None)]
+        {
+            let (mut scene, mut without) = (whole.clone(), whole.clone());
+            for name in hidden {
+                scene.set_field(&format!("parts.{name}.hidden"), "true").unwrap();
+                without.parts.remove(*name);
+            }
+            without.combine = formula.map(String::from);
+            let [a, b] = [&scene, &without].map(|scene| Variant::of(scene, &library).unwrap());
+            assert_eq!((&a.slots, &a.entries), (&b.slots, &b.entries), "{hidden:?}");
+            let pixels = |scene| picture(gpu, &library, scene, &crate::common::subject(scene, &library)).pixels;
+            assert_eq!(pixels(&scene), pixels(&without), "{hidden:?}");
+        }
+    });
 }

@@ -10,10 +10,11 @@ pub(super) fn page() -> String {
     let mut defaults: BTreeMap<String, Value> = Scene::default().fields().into_iter().collect();
     let transform = toml::Table::try_from(Transform::default()).unwrap_or_default();
     defaults.extend(transform.into_iter().map(|(field, value)| (format!("transform.{field}"), value)));
+    defaults.insert("hidden".into(), false.into());
     let mut page = String::from(
         "# Settings\n\nEvery field of a scene file with its default, what it may be, and its flag of the command line; `--set \
          FIELD=VALUE`\nsets any of them. `hypertexture settings` prints this page. An additional object has the tables `object`, \
-         `effect`,\n`parameters`, `material`, `transfer` and `transform` below `parts.NAME`.\n",
+         `effect`,\n`parameters`, `material`, `transfer` and `transform`,\nand the field `hidden`, below `parts.NAME`.\n",
     );
     let mut table = None;
     for setting in SETTINGS.iter() {

@@ -68,6 +68,39 @@ impl Formula {
         }
     }
 
+    /// The formula with the empty object in place of those that are `gone`; `Err` if it is full (`true`) or empty
+    /// everywhere.
+    ///
+    /// # Errors
+    /// No object is left; the value says whether there is matter everywhere.
+    pub fn without(&self, gone: &impl Fn(&str) -> bool) -> Result<Formula, bool> {
+        // A value that decides the operator, else the other operand.
+        let both = |a: &Formula, b: &Formula, decides: bool, of: fn(Box<Formula>, Box<Formula>) -> Formula| match (
+            a.without(gone),
+            b.without(gone),
+        ) {
+            (Ok(a), Ok(b)) => Ok(of(a.into(), b.into())),
+            (Err(full), _) | (_, Err(full)) if full == decides => Err(decides),
+            (Err(_), other) | (other, Err(_)) => other,
+        };
+        match self {
+            Formula::Object(name) if gone(name) => Err(false),
+            Formula::Object(_) => Ok(self.clone()),
+            Formula::Not(a) => a.without(gone).map(|a| Formula::Not(a.into())).map_err(|full| !full),
+            Formula::And(a, b) => both(a, b, false, Formula::And),
+            Formula::Or(a, b) => both(a, b, true, Formula::Or),
+        }
+    }
+
+    /// How close its operator binds: 0 for `|` and `-`, 1 for `&`, 2 for `!` and names.
+    fn rank(&self) -> u8 {
+        match self {
+            Formula::Object(_) | Formula::Not(_) => 2,
+            Formula::And(_, b) if !matches!(**b, Formula::Not(_)) => 1,
+            Formula::And(..) | Formula::Or(..) => 0,
+        }
+    }
+
     /// Bound of the formula, from bounds of objects (`of`), intersections (`and`) and unions (`or`). `None` is unbounded, as
     /// complements are.
     pub fn bound<T>(&self, of: &impl Fn(&str) -> T, and: &impl Fn(T, T) -> T, or: &impl Fn(T, T) -> T) -> Option<T> {
@@ -105,6 +138,31 @@ impl Formula {
             operand.write(out);
         }
         out.push(')');
+    }
+}
+
+impl std::fmt::Display for Formula {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        // Operands of an operator that binds closer than their own are in parentheses.
+        let operand = |f: &mut std::fmt::Formatter<'_>, of: &Formula, rank: u8| match of.rank() < rank {
+            true => write!(f, "({of})"),
+            false => write!(f, "{of}"),
+        };
+        let (a, sign, b, right) = match self {
+            Formula::Object(name) => return f.write_str(name),
+            Formula::Not(a) => {
+                f.write_str("!")?;
+                return operand(f, a, 2);
+            }
+            Formula::And(a, b) => match &**b {
+                Formula::Not(b) => (a, "-", b, 1),
+                _ => (a, "&", b, 2),
+            },
+            Formula::Or(a, b) => (a, "|", b, 1),
+        };
+        operand(f, a, self.rank())?;
+        write!(f, " {sign} ")?;
+        operand(f, b, right)
     }
 }
 
@@ -216,6 +274,37 @@ mod tests {
         ] {
             let error = Formula::parse(text).unwrap_err().to_string();
             assert!(error.contains(expected.trim_start_matches("`` : ")), "{error}");
+        }
+    }
+
+    #[test]
+    fn an_object_that_is_gone_is_empty_and_a_text_reads_back() {
+        fn holds(formula: &Formula, of: &dyn Fn(&str) -> bool) -> bool {
+            match formula {
+                Formula::Object(name) => of(name),
+                Formula::Not(a) => !holds(a, of),
+                Formula::And(a, b) => holds(a, of) && holds(b, of),
+                Formula::Or(a, b) => holds(a, of) || holds(b, of),
+            }
+        }
+        for text in
+            ["a", "!a", "a|b|c", "a|(b|c)", "a-b-c", "a-(b-c)", "!(a&b)|c", "a&(b&c)", "(a|!b)&(c-a)", "!!(a|b)"]
+        {
+            let formula = Formula::parse(text).unwrap();
+            assert_eq!(Formula::parse(&formula.to_string()).unwrap(), formula, "{text}: {formula}");
+            for gone in 0..8 {
+                let has = |set: u32, name: &str| set >> (name.as_bytes()[0] - b'a') & 1 == 1;
+                let left = formula.without(&|name| has(gone, name));
+                for full in 0..8 {
+                    let own = left.as_ref().map_or_else(|full| *full, |left| holds(left, &|name| has(full, name)));
+                    assert_eq!(
+                        own,
+                        holds(&formula, &|name| has(full & !gone, name)),
+                        "{text} without {gone:b}: {left:?}"
+                    );
+                }
+                assert!(left.is_err() || left.unwrap().objects().keys().all(|name| !has(gone, name)));
+            }
         }
     }
 

@@ -143,11 +143,24 @@ pub fn is_movable(field: &str) -> bool {
 }
 
 impl Scene {
-    /// The scene at its time, without tracks; with a loop, its time is that within the loop.
+    /// The scene at its time, without tracks and hidden objects; with a loop, its time is that within the loop.
+    ///
+    /// # Errors
+    /// A track has no value at that time, or one that its field does not take. Without the hidden objects, the formula of
+    /// the objects has none left.
+    pub fn moment(&self) -> Result<Cow<'_, Scene>, SceneError> {
+        let still = self.still()?;
+        match still.parts.values().any(|part| part.hidden) {
+            true => Ok(Cow::Owned(still.into_owned().without_hidden()?)),
+            false => Ok(still),
+        }
+    }
+
+    /// The scene at its time, without tracks, but with hidden objects.
     ///
     /// # Errors
     /// A track has no value at that time, or one that its field does not take.
-    pub fn moment(&self) -> Result<Cow<'_, Scene>, SceneError> {
+    pub fn still(&self) -> Result<Cow<'_, Scene>, SceneError> {
         let Animation { period, tracks } = &self.animation;
         self.check_animation()?;
         let time = self.animation.wrapped(self.camera.time);

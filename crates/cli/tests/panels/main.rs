@@ -6,6 +6,7 @@ mod edit;
 mod everyone;
 mod loss;
 mod menu;
+mod objects;
 mod paint;
 mod scan;
 mod time;

@@ -30,9 +30,13 @@ impl App {
     pub(super) fn receive_selection(&mut self) {
         if let Some(Poll::Ready(found)) = self.objects.clicked.as_ref().map(Background::poll) {
             self.objects.clicked = None;
-            if let Some(name) = found.flatten() {
-                self.note(format!("selected: {name}"));
-                self.panels.select(Some(name));
+            match found.flatten() {
+                Some(name) if self.panels.is_locked(&name) => self.note(format!("{name} is locked, see Objects")),
+                Some(name) => {
+                    self.note(format!("selected: {name}"));
+                    self.panels.select(Some(name));
+                }
+                None => {}
             }
         }
     }
@@ -41,6 +45,10 @@ impl App {
     pub(super) fn toggle_placement(&mut self) {
         self.objects.places ^= true;
         match (self.objects.places, self.panels.selected()) {
+            (true, Some(part)) if self.panels.is_locked(part) => {
+                self.objects.places = false;
+                self.note(format!("{part} is locked: unlock it in Objects first"));
+            }
             (true, Some(part)) => self.note(format!("placing {part}: drag moves, right drag turns, the wheel sizes")),
             (true, None) => {
                 self.objects.places = false;
@@ -52,7 +60,8 @@ impl App {
 
     /// Places the selected object; whether the mouse belongs to it.
     pub(super) fn place(&mut self, ui: &Ui, response: &Response) -> bool {
-        let part = self.panels.selected().map(String::from).filter(|_| self.objects.places);
+        let part = self.panels.selected().filter(|part| self.objects.places && !self.panels.is_locked(part));
+        let part = part.map(String::from);
         let Some(part) = part else { return false };
         let wheel = if response.hovered() { ui.input(|input| input.smooth_scroll_delta().y) } else { 0.0 };
         let (delta, turns) = (response.drag_delta(), response.dragged_by(PointerButton::Secondary));

@@ -24,9 +24,9 @@ impl Model {
     pub fn present(&self) -> Scene {
         let mut timed = self.scene.clone();
         timed.camera.time = self.time();
-        match timed.moment() {
-            Ok(moment) if !self.scene.animation.tracks.is_empty() => {
-                let mut present = moment.into_owned();
+        match timed.still() {
+            Ok(still) if !self.scene.animation.tracks.is_empty() => {
+                let mut present = still.into_owned();
                 present.animation = timed.animation;
                 present.camera.time = self.scene.camera.time;
                 present

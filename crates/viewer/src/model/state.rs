@@ -2,6 +2,7 @@
 
 use crate::message::Message;
 use hypertexture::scene::{self, Camera, ParameterValue, Parameters, Part, Scene, SceneError, schema};
+use hypertexture::shader::slots::MAIN;
 use hypertexture::shader::{Library, ParameterKind, Slots};
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
@@ -243,10 +244,44 @@ impl Model {
         good
     }
 
+    /// Renames an additional object, also in the formula and in its tracks.
+    pub fn rename_part(&mut self, from: &str, to: &str) -> bool {
+        if to == MAIN || self.scene.parts.contains_key(to) {
+            self.say(format!("parts.{from}: `{to}` is the name of another object; choose one that no object has"));
+            return false;
+        }
+        let good = self.edit(&format!("rename {from}"), |scene| {
+            if let Some(part) = scene.parts.remove(from) {
+                scene.parts.insert(to.into(), part);
+            }
+            scene.combine = scene.combine.as_deref().map(|formula| renamed(formula, from, to));
+            let [own, new] = [from, to].map(|name| format!("parts.{name}."));
+            let tracks = std::mem::take(&mut scene.animation.tracks).into_iter();
+            let tracks = tracks.map(|(field, track)| match field.strip_prefix(&own) {
+                Some(rest) => (format!("{new}{rest}"), track),
+                None => (field, track),
+            });
+            scene.animation.tracks = tracks.collect();
+        });
+        self.end_undo_group();
+        good
+    }
+
     /// The command line that renders the same picture.
     pub fn command_line(&self) -> String {
         self.scene.command_line(&self.library)
     }
+}
+
+/// A formula with another name for an object.
+fn renamed(formula: &str, from: &str, to: &str) -> String {
+    let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let pieces = formula.split_inclusive(|c: char| !is_name(c));
+    let piece = |piece: &str| match piece.trim_end_matches(|c: char| !is_name(c)) {
+        name if name == from => piece.replacen(from, to, 1),
+        _ => piece.into(),
+    };
+    pieces.map(piece).collect()
 }
 
 fn checked(scene: &Scene, library: &Library) -> Result<(Parameters, BTreeMap<String, Parameters>), SceneError> {

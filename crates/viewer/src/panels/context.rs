@@ -23,6 +23,7 @@ pub(super) enum Act {
     Save(PathBuf),
     AddPart,
     RemovePart(String),
+    RenamePart { from: String, to: String },
 }
 
 /// One pass over the controls.

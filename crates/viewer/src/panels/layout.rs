@@ -15,6 +15,7 @@ use crate::model::Model;
 use crate::painting::Painting;
 use crate::unsaved;
 use egui::{CollapsingHeader, Id, Panel, PanelState, RichText, ScrollArea, Ui};
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 /// Default width of the panel with the settings, points.
@@ -30,6 +31,8 @@ const LOW: f32 = 480.0;
 pub struct Panels {
     /// The selected additional object; `None` for the main one.
     selected: Option<String>,
+    /// Objects that a click in the picture does not select and that are not placed.
+    locked: BTreeSet<String>,
     /// The selected stop of the transfer map.
     stop: usize,
     known: file_info::FileInfo,
@@ -70,6 +73,7 @@ impl Panels {
         let author = Author::new(program, model.library(), slot, name)?;
         Ok(Panels {
             selected: None,
+            locked: BTreeSet::new(),
             stop: 0,
             known: file_info::FileInfo::default(),
             dialogs: dialogs::Dialogs::default(),
@@ -120,6 +124,11 @@ impl Panels {
     /// Selects an additional object, or the main one.
     pub(crate) fn select(&mut self, part: Option<String>) {
         self.selected = part;
+    }
+
+    /// Whether an object is locked: it is neither selected by a click in the picture nor placed.
+    pub(crate) fn is_locked(&self, name: &str) -> bool {
+        self.locked.contains(name)
     }
 
     /// Asks a question.
@@ -269,7 +278,7 @@ impl Panels {
         section(ui, "Presets", true, |ui| presets::show(ui, pass, &mut self.with_own));
         let recent = &self.dialogs.recent;
         section(ui, "File", false, |ui| toolbar::files(ui, pass, &mut self.paths, recent));
-        section(ui, "Objects", false, |ui| object::list(ui, pass, &mut self.selected));
+        section(ui, "Objects", false, |ui| object::list(ui, pass, &mut self.selected, &mut self.locked));
         let part = self.selected.clone();
         let part = part.as_deref();
         section(ui, "Object", false, |ui| object::show(ui, pass, part));
@@ -329,7 +338,17 @@ impl Panels {
             Act::Save(path) if path.as_os_str().is_empty() => self.save(model),
             Act::Save(path) => self.dialogs.scene(path, model),
             Act::AddPart => self.selected = model.add_part("sphere").or(self.selected.take()),
-            Act::RemovePart(name) => drop(model.remove_part(&name)),
+            Act::RemovePart(name) => {
+                self.locked.remove(&name);
+                model.remove_part(&name);
+            }
+            Act::RenamePart { from, to } if model.rename_part(&from, &to) => {
+                if self.locked.remove(&from) {
+                    self.locked.insert(to.clone());
+                }
+                self.selected = Some(to);
+            }
+            Act::RenamePart { .. } => {}
         }
     }
 }

@@ -1,23 +1,36 @@
 //! The objects of a scene.
 
 use super::context::{Act, Pass, prefix};
+use super::field_menu;
 use super::settings;
 use super::widgets::{self, Field, button, choice, field};
-use egui::Ui;
+use egui::{Button, RichText, Sense, Ui, Vec2, vec2};
 use hypertexture::scene::schema::SETTINGS;
+use hypertexture::shader::slots::MAIN;
 use hypertexture::shape::BUILT_IN;
+use std::collections::BTreeSet;
 
-/// The list of objects, and the formula that combines them.
-pub(super) fn list(ui: &mut Ui, pass: &mut Pass<'_>, selected: &mut Option<String>) {
-    ui.horizontal_wrapped(|ui| {
-        let names = [None].into_iter().chain(pass.model.scene().parts.keys().cloned().map(Some));
-        for name in names {
-            let shown = name.as_deref().unwrap_or("main");
-            let response = ui.selectable_label(*selected == name, shown);
+/// Size of eye and lock, points.
+const ICON: Vec2 = vec2(18.0, 18.0);
+
+/// The list of objects, each with an eye, a lock and its name, and the formula that combines them.
+pub(super) fn list(ui: &mut Ui, pass: &mut Pass<'_>, selected: &mut Option<String>, locked: &mut BTreeSet<String>) {
+    let names = [None].into_iter().chain(pass.model.scene().parts.keys().cloned().map(Some));
+    for name in names {
+        ui.horizontal(|ui| {
+            eye(ui, pass, name.as_deref());
+            let shown = name.as_deref().unwrap_or(MAIN);
+            lock(ui, shown, locked);
+            let part = name.as_ref().and_then(|name| pass.model.scene().parts.get(name));
+            let is_hidden = part.is_some_and(|part| part.hidden);
+            let text = if is_hidden { RichText::new(shown).weak() } else { RichText::new(shown) };
+            let response = ui.selectable_label(*selected == name, text);
             if widgets::named(ui, &response, &format!("object {shown}")).clicked() {
                 selected.clone_from(&name);
             }
-        }
+        });
+    }
+    ui.horizontal_wrapped(|ui| {
         if button(ui, "+", "add object", "Add an object with an effect of its own.").clicked() {
             pass.acts.push(Act::AddPart);
         }
@@ -33,9 +46,47 @@ pub(super) fn list(ui: &mut Ui, pass: &mut Pass<'_>, selected: &mut Option<Strin
     settings::show(ui, pass, "", "combine");
     settings::show(ui, pass, "", "boolean");
     if let Some(name) = selected {
+        let mut to = name.clone();
+        let row = Field { text: Some("name"), ..field(format!("name of {name}"), "Lower-case letters and digits.") };
+        widgets::text(ui, &mut None, &row, &mut to);
+        if to != *name {
+            pass.acts.push(Act::RenamePart { from: name.clone(), to });
+        }
         ui.strong("Transform");
         settings::table(ui, pass, &prefix(Some(name)), "transform");
     }
+}
+
+/// The switch that hides an additional object; the main one cannot be hidden.
+fn eye(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
+    let Some(part) = part else {
+        return drop(ui.allocate_exact_size(ICON, Sense::hover()));
+    };
+    let field = format!("parts.{part}.hidden");
+    field_menu::of_setting(ui, pass, &field, |ui, pass| {
+        let is_hidden = pass.model.scene().parts.get(part).is_some_and(|part| part.hidden);
+        let doc = "Hide the object, or show it. A hidden object costs no time.";
+        if icon(ui, "\u{1f441}", is_hidden, &field, doc) {
+            pass.set(&field, if is_hidden { "" } else { "true" });
+        }
+    });
+}
+
+/// The switch that locks an object.
+fn lock(ui: &mut Ui, name: &str, locked: &mut BTreeSet<String>) {
+    let is_locked = locked.contains(name);
+    let text = if is_locked { "\u{1f512}" } else { "\u{1f513}" };
+    let doc = "Lock the object: a click in the picture does not select it, and drags do not place it.";
+    if icon(ui, text, !is_locked, &format!("lock {name}"), doc) && !locked.remove(name) {
+        locked.insert(name.into());
+    }
+}
+
+/// A switch without a frame; whether it was pressed.
+fn icon(ui: &mut Ui, text: &str, is_weak: bool, name: &str, doc: &str) -> bool {
+    let color = if is_weak { ui.visuals().weak_text_color().gamma_multiply(0.5) } else { ui.visuals().text_color() };
+    let response = ui.add(Button::new(RichText::new(text).color(color)).frame(false).min_size(ICON));
+    widgets::named(ui, &response, name).on_hover_text(doc).clicked()
 }
 
 /// Input and soft region of one object. Only the main object has a stretch.
