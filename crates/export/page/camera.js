@@ -8,9 +8,9 @@ const colorOf = (hex) => [1, 3, 5].map((at) => linear(parseInt(hex.slice(at, at 
 
 // The state that the scene describes.
 export function initial(scene) {
-  const [azimuth, elevation] = scene.values.view_angles;
+  const { view_angles: [azimuth, elevation], view_zoom: [zoom], view_samples: [samples] } = scene.values;
   const parameters = scene.parameters.map((own) => [own.name, own.value ?? own.color]);
-  return { azimuth, elevation, zoom: scene.values.view_zoom[0], time: scene.time, parameters: new Map(parameters) };
+  return { azimuth, elevation, zoom, samples, time: scene.time, parameters: new Map(parameters) };
 }
 
 // Values at a place of the range of a parameter.
@@ -59,7 +59,7 @@ export function valuesAt(scene, state, [width, height], subFrame) {
   const back = multiply(scale(stretch.map((s) => 1 / s)), transpose(rotation));
   const texture = multiply(shift(center), multiply(back, shift([0, 0, distance])));
 
-  const samples = Math.round(number('samples')), step = 2 * radius / samples;
+  const samples = Math.round(number('samples') + state.samples - start.view_samples[0]), step = 2 * radius / samples;
   const depth = (plane) => distance - radius + (plane + 0.5) * step;
   const skipped = Math.max(0, Math.min(samples, Math.ceil((number('near') - distance + radius) / step - 0.5)));
   const corner = [(Math.abs(panX) + 1) * rays[0], (Math.abs(panY) + 1) * rays[1], 1];

@@ -1,7 +1,23 @@
 // What a person changes: the camera by mouse, touch and keys, the time, and the parameters.
 
 const TURN = 0.4, KEY_TURN = 5, ZOOM = 1.1, ZOOMS = [0.1, 30], LONGEST = 60;
+const SAMPLES = [4, 1024], NUMBERS = ['azimuth', 'elevation', 'zoom', 'samples', 'time'];
 const within = (value, [low, high]) => Math.max(low, Math.min(high, value));
+
+// The part of an address that says how a state differs from the first one.
+export function toHash(state, first) {
+  const entries = (own) => [...NUMBERS.map((name) => [name, own[name]]), ...own.parameters], before = new Map(entries(first));
+  return new URLSearchParams(entries(state).filter(([name, value]) => value !== before.get(name))).toString();
+}
+
+// Sets a state to that of an address; what no control takes stays.
+export function fromHash(state, hash, { parameters }) {
+  for (const [name, text] of new URLSearchParams(hash)) {
+    const own = parameters.find((own) => own.name === name), number = Number(text), isNumber = text && isFinite(number);
+    if (NUMBERS.includes(name) && isNumber) state[name] = within(number, { zoom: ZOOMS, samples: SAMPLES }[name] ?? [-1e6, 1e6]);
+    else if (own && (own.range ? isNumber : /^#[0-9a-f]{6}$/.test(text))) state.parameters.set(name, own.range ? within(number, own.range) : text);
+  }
+}
 
 // Adds the controls of a scene. state: changed in place; changed: called after each change; start: gives a new state.
 export function addControls({ scene, state, start, canvas, form, changed }) {
@@ -27,6 +43,8 @@ export function addControls({ scene, state, start, canvas, form, changed }) {
   const zoomed = (value) => { state.zoom = within(value, ZOOMS); };
   add('zoom', '1 fits the object into the picture', slider(ZOOMS.map(Math.log)), () => Math.log(state.zoom),
     (value) => zoomed(Math.exp(value)), () => state.zoom);
+  add('samples', 'Samples of a ray through the object', Object.assign(slider(SAMPLES.map(Math.log2)), { step: 0.25 }),
+    () => Math.log2(state.samples), (value) => { state.samples = Math.round(2 ** value); }, () => state.samples);
   if (scene.moves) {
     add('time', 'Seconds', slider(scene.motion?.seconds ?? [Math.min(0, scene.time), scene.time + LONGEST]), () => state.time, (value) => { state.time = value; });
   }
@@ -34,8 +52,7 @@ export function addControls({ scene, state, start, canvas, form, changed }) {
     const input = range ? slider(range) : Object.assign(document.createElement('input'), { type: 'color' });
     add(name, doc, input, () => state.parameters.get(name), (value) => state.parameters.set(name, value));
   }
-  const show = () => inputs.forEach((input) => input());
-  const moved = () => { show(); changed(); };
+  const show = () => inputs.forEach((input) => input()), moved = () => { show(); changed(); };
   const turned = (right, down) => {
     state.azimuth -= right;
     state.elevation = within(state.elevation + down, [-90, 90]);
@@ -43,10 +60,7 @@ export function addControls({ scene, state, start, canvas, form, changed }) {
   };
 
   const pointers = new Map();
-  const spread = () => {
-    const [a, b] = [...pointers.values()];
-    return Math.hypot(a.x - b.x, a.y - b.y);
-  };
+  const spread = ([a, b] = [...pointers.values()]) => Math.hypot(a.x - b.x, a.y - b.y);
   canvas.addEventListener('pointerdown', (event) => {
     if (event.isTrusted) canvas.setPointerCapture(event.pointerId);
     pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });

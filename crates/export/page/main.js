@@ -1,6 +1,6 @@
 // The page: loads the scene, draws it at low resolution while it moves and at full resolution when it rests.
 import { initial, valuesAt } from './camera.js';
-import { addControls } from './controls.js';
+import { addControls, fromHash, toHash } from './controls.js';
 import { openDevice, Renderer } from './gpu.js';
 import { gunzip, unpack } from './texels.js';
 
@@ -28,6 +28,7 @@ async function run() {
   const renderer = await Renderer.make(device, scene, canvas, (program) => wgsl.get(program.wgsl), levels);
 
   const start = () => initial(scene), state = { ...start(), playing: false };
+  fromHash(state, location.hash.slice(1), scene);
   let version = 0, moved = -Infinity, wake = () => {}, divisor = 2;
   const changed = () => { version++; moved = performance.now(); canvas.setAttribute('aria-busy', 'true'); wake(); };
   const fit = () => {
@@ -103,6 +104,7 @@ async function run() {
     if (isFirst || (performance.now() - moved > REST && !state.playing)) {
       if (!await rest()) continue;
       done = own;
+      history.replaceState(null, '', `#${toHash(state, start())}`);
       if (own === version) canvas.setAttribute('aria-busy', 'false');
     } else {
       await move();

@@ -48,7 +48,7 @@
     canvas.dispatchEvent(new KeyboardEvent('keydown', { key: 'r' }));
     await shown('reset');
     const labels = [...document.querySelectorAll('label')];
-    const isParameter = (label) => !['zoom', 'time'].includes(label.firstChild.textContent);
+    const isParameter = (label) => !['zoom', 'samples', 'time'].includes(label.firstChild.textContent);
     const input = (labels.find(isParameter) ?? labels[0]).querySelector('input');
     if (input.type === 'color') input.value = '#3060ff';
     else input.value = Number(input.min) + 0.8 * (input.max - input.min);

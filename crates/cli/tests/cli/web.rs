@@ -134,7 +134,7 @@ fn a_browser_draws_the_pictures_of_render_and_changes_them() {
         let small = format!("--size {SIDE}x{SIDE} --resolution 64 --set quality.supersampling=1");
         let made = run(root, &format!("web {scene} {small} -o {number}"));
         assert!(made.status.success(), "{scene}: {}", unexpected(&made));
-        let Some(shown) = drawn(root, &number.to_string()) else { return };
+        let Some(shown) = drawn(root, &number.to_string(), "") else { return };
         let off = apart(&shown["first"], &premultiplied(&root.join(number.to_string()).join("picture.png")));
         let [dragged, reset, slid] = ["dragged", "reset", "slid"].map(|name| apart(&shown["first"], &shown[name]));
         println!("{scene}: {off:.3} from render; {dragged:.2} by a drag, {slid:.2} by a slider");
@@ -144,12 +144,12 @@ fn a_browser_draws_the_pictures_of_render_and_changes_them() {
     }
 }
 
-/// What a page of 128 x 128 pixels posts, its picture in its own size whatever the window; `None` without a browser.
-fn drawn(root: &Path, folder: &str) -> Option<HashMap<String, Vec<u8>>> {
+/// What a page of 128 x 128 pixels posts with the state of its address, its picture in its own size whatever the window; `None` without a browser.
+fn drawn(root: &Path, folder: &str, state: &str) -> Option<HashMap<String, Vec<u8>>> {
     let style = root.join(folder).join("style.css");
     let text = fs::read_to_string(&style).unwrap();
     fs::write(style, text + "#stage { width: 128px; height: 128px; margin: 0; }").unwrap();
-    let Some(shown) = posted(root, &format!("{folder}/")) else {
+    let Some(shown) = posted(root, &format!("{folder}/{state}")) else {
         eprintln!("skipped: no browser ({})", BROWSERS.join(", "));
         return None;
     };
@@ -160,7 +160,7 @@ fn drawn(root: &Path, folder: &str) -> Option<HashMap<String, Vec<u8>>> {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn keyframes_move_on_a_page_and_wider_fur_has_its_field() {
+fn an_address_leads_to_a_state_and_keyframes_move_on_a_page() {
     let root = tempfile::tempdir().unwrap();
     let root = root.path();
     let scene = "preset = \"fur\"\nobject.input = \"sphere\"\n[animation]\n\
@@ -172,15 +172,10 @@ fn keyframes_move_on_a_page_and_wider_fur_has_its_field() {
     let small = format!("--size {SIDE}x{SIDE} --resolution 64 --set quality.supersampling=1");
     let made = run(root, &format!("web moving.toml {small} -o page"));
     assert!(made.status.success(), "{}", unexpected(&made));
-    let made = run(root, &format!("render moving.toml {small} --time 1.5 -o later.png"));
+    let made =
+        run(root, &format!("render moving.toml {small} --time 1.5 --samples 100 --set fineness=40 -o later.png"));
     assert!(made.status.success(), "{}", unexpected(&made));
-    // The page begins at another time than that of its values.
-    let file = root.join("page/scene.json");
-    let mut scene: Value = serde_json::from_slice(&fs::read(&file).unwrap()).unwrap();
-    assert_eq!(scene["time"], 0.0);
-    scene["time"] = 1.5.into();
-    fs::write(file, scene.to_string()).unwrap();
-    let Some(shown) = drawn(root, "page") else { return };
+    let Some(shown) = drawn(root, "page", "#time=1.5&samples=100&fineness=40&zoom=none") else { return };
     let [off, before] =
         ["later.png", "page/picture.png"].map(|own| apart(&shown["first"], &premultiplied(&root.join(own))));
     assert!(off < FAR && before > 10.0, "{off} from the moment, {before} from the first one");
