@@ -74,7 +74,12 @@ pub(super) const KEYS: &[Binding] = &[
     plain(Key::OpenBracket, "[ and ]", Action::Weaker, "a weaker brush, a stronger one"),
     plain(Key::CloseBracket, "]", Action::Stronger, ""),
     plain(Key::O, "O", Action::Level, "orbit level, or as a trackball"),
-    plain(Key::G, "G", Action::Place, "place the selected object by drags, or stop"),
+    plain(
+        Key::G,
+        "G",
+        Action::Place,
+        "place the selected object, or else the light, by drags and typed numbers, or stop",
+    ),
     plain(Key::L, "L", Action::Lesson, "how it works: slices, soft regions, turbulence"),
     plain(Key::Num1, "1, 2, 3", Action::Side(0), "look from the front, from the right, from the top"),
     plain(Key::Num2, "2", Action::Side(1), ""),

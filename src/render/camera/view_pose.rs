@@ -20,6 +20,8 @@ const RELIEF: f32 = 0.8;
 pub struct ViewPose {
     /// From object space to eye space.
     object_matrix: Mat4,
+    /// The middle of the scene in eye space.
+    center_eye: Vec3,
     /// Depth of the middle of the scene.
     distance: f32,
     /// Radius of the approximating ball.
@@ -35,6 +37,7 @@ impl ViewPose {
         let view = View::of(variant, subject);
         ViewPose {
             object_matrix: view.object_matrix,
+            center_eye: view.center_eye,
             distance: view.extent.distance,
             radius: view.shown_radius,
             ray_scale: view.ray_scale.into(),
@@ -68,7 +71,17 @@ impl ViewPose {
 
     /// The place of a point of object space in the picture.
     pub fn place(&self, point: Vec3) -> [f32; 2] {
-        let eye = self.object_matrix.transform_point3(point);
+        self.place_of(self.object_matrix.transform_point3(point))
+    }
+
+    /// The place of a point given like the light, from the middle of the scene: right, up, toward the eye. `None` behind the
+    /// eye.
+    pub fn place_in_view(&self, point: Vec3) -> Option<[f32; 2]> {
+        let eye = self.center_eye + point;
+        (self.is_parallel || eye.z < 0.0).then(|| self.place_of(eye))
+    }
+
+    fn place_of(&self, eye: Vec3) -> [f32; 2] {
         let depth = if self.is_parallel { 1.0 } else { -eye.z };
         (eye.truncate() / (self.ray_scale * depth) * Vec2::new(1.0, -1.0) + self.pan).into()
     }
@@ -140,6 +153,8 @@ mod tests {
                 assert!(Vec2::from(place).distance(rendered(&view, point)) < 1e-5, "{projection:?} {point}");
                 let (from, along) = pose.ray(place);
                 assert!((point - from).cross(along).length() < 1e-4, "{projection:?} {point}");
+                let seen = view.object_matrix.transform_point3(point) - view.center_eye;
+                assert_eq!(pose.place_in_view(seen), Some(place));
             }
         }
     }

@@ -93,3 +93,36 @@ fn keyframes_are_set_where_the_timeline_is_and_saved() {
     let fury = &saved.moment().unwrap().parameters["fury"];
     assert_eq!(*fury, scene::ParameterValue::Number(2.25), "at the time of the timeline, 1 s");
 }
+
+#[test]
+#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
+fn a_drag_on_an_axis_moves_along_it_and_a_number_is_typed() {
+    let (display, folder) = (Display::new(), tempfile::tempdir().unwrap());
+    let files = ["dragged", "typed", "turned", "lit"].map(|name| folder.path().join(format!("{name}.toml")));
+    let save = |number: usize| {
+        format!("write file.scene {}\nclick file.save\nframes 3\nkey Esc\nframes 2\n", files[number].display())
+    };
+    // The picture has about 560 points across, an axis 80.
+    let script = format!(
+        "wait drawn\nclick File\nclick Objects\nframes 2\nclick object b\nkey G\nframes 2\ndrag 0.58 0.5 0.7 0.6\n\
+         frames 2\n{}type 0.25\nkey Enter\nframes 2\n{}type -9\nkey Backspace\nkey Backspace\nkey Z\nframes 2\n\
+         click object main\nframes 2\ndrag 0.5 0.5 0.6 0.5\nframes 2\n{}type 7\nkey Enter\nframes 2\n{}quit\n",
+        save(0),
+        save(1),
+        save(2),
+        save(3)
+    );
+    let place = ["--set", "parts.b={}", "--set", "parts.b.object.input=sphere", "--set", "parts.b.transform.scale=0.5"];
+    let scene = ["sphere", "--camera", "0,0", "--samples", "32", "--window", "900x600"];
+    play(&display, folder.path(), &[&scene[..], &place].concat(), &script);
+    let [dragged, typed, turned, lit] = files.map(|file| scene::load(&file, Reach::Anywhere).unwrap());
+    let at = |scene: &scene::Scene| scene.parts["b"].transform.at;
+    let [x, y, z] = at(&dragged);
+    assert!(x > 0.2 && y.abs() < 1e-6 && z.abs() < 1e-6, "only along x: {:?}", at(&dragged));
+    assert_eq!(at(&typed), [x + 0.25, y, z]);
+    assert_eq!(at(&turned), at(&dragged), "undone as one step");
+    let light = |scene: &scene::Scene| Vec3::from(scene.light.position);
+    assert!((light(&turned).length() - light(&dragged).length()).abs() < 1e-4);
+    assert!(light(&turned).distance(light(&dragged)) > 0.5, "around the object");
+    assert!((light(&lit) - 7.0 * light(&turned).normalize()).length() < 1e-4);
+}

@@ -38,6 +38,7 @@ impl App {
         let passed = now.duration_since(self.time.last_frame).as_secs_f64();
         self.time.last_frame = now;
         if !self.panels.is_asking() {
+            self.type_number(ui.ctx());
             keys::pressed(ui.ctx()).into_iter().for_each(|action| self.act(action));
         }
         self.model.follow(self.time.clock);

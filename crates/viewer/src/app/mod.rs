@@ -2,6 +2,7 @@
 
 mod actions;
 mod frame;
+mod gizmo;
 mod inspect;
 mod mouse;
 mod objects;

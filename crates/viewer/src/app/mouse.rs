@@ -38,12 +38,7 @@ impl App {
                 Drag::Turn if self.navigation.level => self.orbit(delta),
                 Drag::Turn => self.roll(ui, to, delta),
                 Drag::Pan => self.pan(delta),
-                Drag::Light => {
-                    let [from, to] = [to - delta, to].map(|at| self.on_ball(at));
-                    self.model.edit("light.position", |scene| {
-                        scene.light.position = drag_light(scene.light.position, from, to);
-                    });
-                }
+                Drag::Light => self.drag_light(to, delta),
             }
         }
         if response.drag_stopped() {
@@ -73,6 +68,14 @@ impl App {
                 });
             }
         }
+    }
+
+    /// Moves the light around the object by a drag.
+    pub(super) fn drag_light(&mut self, to: Pos2, delta: Vec2) {
+        let [from, to] = [to - delta, to].map(|at| self.on_ball(at));
+        self.model.edit("light.position", |scene| {
+            scene.light.position = drag_light(scene.light.position, from, to);
+        });
     }
 
     /// A position of the window on the trackball, right and up in units of its radius.

@@ -1,10 +1,11 @@
 //! Additional objects under the mouse: selection by a click, and placement by drags.
 
+use super::gizmo::{Gizmo, own_turn, with_turn};
 use super::state::App;
 use crate::background::Background;
 use crate::worker::Variant;
 use egui::{PointerButton, Pos2, Response, Ui, Vec2};
-use glam::{EulerRot, Quat, Vec3};
+use glam::{Quat, Vec3};
 use hypertexture::render::object_along;
 use hypertexture::scene::Transform;
 use std::task::Poll;
@@ -49,21 +50,30 @@ impl App {
                 self.objects.places = false;
                 self.note(format!("{part} is locked: unlock it in Objects first"));
             }
-            (true, Some(part)) => self.note(format!("placing {part}: drag moves, right drag turns, the wheel sizes")),
-            (true, None) => {
-                self.objects.places = false;
-                self.note("select an additional object first: click it, or its name in Objects");
+            (true, Some(part)) => self.note(format!(
+                "placing {part}: drag moves, on an axis along it, with Shift about it; right drag turns, the wheel sizes"
+            )),
+            (true, None) => self.note("placing the light: drag moves it around the object, the wheel its distance"),
+            (false, _) => {
+                self.objects.gizmo = Gizmo::default();
+                self.note("placing ended");
             }
-            (false, _) => self.note("placing ended"),
         }
     }
 
-    /// Places the selected object; whether the mouse belongs to it.
+    /// Places the selected object or the light; whether the mouse belongs to it.
     pub(super) fn place(&mut self, ui: &Ui, response: &Response) -> bool {
-        let part = self.panels.selected().filter(|part| self.objects.places && !self.panels.is_locked(part));
-        let part = part.map(String::from);
-        let Some(part) = part else { return false };
+        if !self.objects.places {
+            return false;
+        }
         let wheel = if response.hovered() { ui.input(|input| input.smooth_scroll_delta().y) } else { 0.0 };
+        let Some(part) = self.panels.selected().map(String::from) else { return self.place_light(response, wheel) };
+        if self.panels.is_locked(&part) {
+            return false;
+        }
+        if self.place_on_axis(ui, response, &part) {
+            return true;
+        }
         let (delta, turns) = (response.drag_delta(), response.dragged_by(PointerButton::Secondary));
         if let Some(half) = self.half_height().filter(|_| delta != Vec2::ZERO || wheel != 0.0) {
             let unit = half / (0.5 * self.place.height().max(1.0));
@@ -86,11 +96,8 @@ impl App {
 fn placed(before: Transform, view: Quat, delta: Vec2, turns: bool, factor: f32) -> Transform {
     let mut after = Transform { scale: (before.scale * factor).clamp(0.01, 100.0), ..before };
     if turns {
-        let [x, y, z] = before.turn.map(f32::to_radians);
-        let own = Quat::from_euler(EulerRot::ZYX, z, y, x);
         let by = Quat::from_rotation_y(delta.x) * Quat::from_rotation_x(delta.y);
-        let (z, y, x) = (view.inverse() * by * view * own).to_euler(EulerRot::ZYX);
-        after.turn = [x, y, z].map(f32::to_degrees);
+        after = with_turn(after, view.inverse() * by * view * own_turn(&before));
     } else {
         after.at = (Vec3::from(before.at) + view.inverse() * Vec3::new(delta.x, -delta.y, 0.0)).into();
     }

@@ -24,6 +24,7 @@ impl App {
         self.inspect(ui);
         self.teach(ui);
         self.show_light(ui);
+        self.show_gizmo(ui);
         self.show_brush(ui);
         let dark = Frame::popup(ui.style());
         if let Some((name, done)) = self.loader.progress() {

@@ -1,5 +1,6 @@
 //! The state of the window, in parts by subject.
 
+use super::gizmo::Gizmo;
 use crate::ViewError;
 use crate::author::Author;
 use crate::background::{Background, Notify};
@@ -139,8 +140,9 @@ impl Navigation {
 pub(super) struct Objects {
     /// Search for the name of the object of a click; `None` if the ray hits none.
     pub(super) clicked: Option<Background<Option<String>>>,
-    /// Whether drags place the selected object.
+    /// Whether drags place the selected object, or the light if none is selected.
     pub(super) places: bool,
+    pub(super) gizmo: Gizmo,
 }
 
 /// Time of the scene.

@@ -11,6 +11,7 @@
 //! size W H                         resizes the window, points
 //! minimize, restore                minimizes or restores the window
 //! key NAME                         presses a key, named as in the help
+//! type TEXT                        types text
 //! drag X Y X Y [right | ctrl]      drags over the picture, in fractions from its left and top
 //! scroll LINES                     turns the wheel in the center of the picture
 //! orbit MOVES SECONDS              drags in circles, and prints the latency of the window

@@ -87,6 +87,9 @@ pub(super) fn parse(line: &str) -> Result<Step, String> {
             let named = keys::named(name).ok_or_else(|| format!("no key `{name}`"))?;
             Step::Do(ScriptEvent::Events(key(named.0, named.1).into()))
         }
+        ("type", text) if !text.is_empty() => {
+            Step::Do(ScriptEvent::Events(text.chars().map(|letter| Event::Text(letter.into())).collect()))
+        }
         ("drag", _) => {
             let places = numbers(4)?;
             let with = if rest.ends_with("right") { PointerButton::Secondary } else { PointerButton::Primary };
