@@ -11,6 +11,7 @@ mod app;
 pub mod author;
 mod background;
 mod canvas;
+mod coarse;
 #[doc(hidden)] // for the tests of this crate
 pub mod compare;
 mod densities;

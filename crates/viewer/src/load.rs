@@ -1,6 +1,7 @@
 //! Objects, whose fields are computed in the background.
 
 use super::background::{Background, Notify};
+use super::coarse::Coarse;
 use hypertexture::render::variant::{Checkable, Variant, VariantError};
 use hypertexture::render::{RenderError, Subject, SubjectRequest};
 use hypertexture::scene::{Object, ParameterValue, Parameters, Scene};
@@ -12,20 +13,20 @@ use std::task::Poll;
 /// Number of cached objects.
 const KEPT: usize = 6;
 
-/// Inputs of an object.
+/// Inputs of an object, and whether its field is a coarse one.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Key(Vec<SubjectRequest>);
+pub(super) struct Key(Vec<SubjectRequest>, bool);
 
 impl Key {
     pub(super) fn of(scene: &impl Checkable, library: &Library) -> Result<Key, VariantError> {
         let mut wanted = SubjectRequest::all(&*scene.checked(library)?);
         wanted.iter_mut().for_each(|wanted| wanted.object = wanted.object.without_look());
-        Ok(Key(wanted))
+        Ok(Key(wanted, false))
     }
 
     /// Whether an object of key `self` serves scenes of key `other`: surplus closest points do no harm.
     fn serves(&self, other: &Key) -> bool {
-        self.0.len() == other.0.len()
+        (self.0.len(), self.1) == (other.0.len(), other.1)
             && self.0.iter().zip(&other.0).all(|(own, other)| {
                 let same = own.object == other.object && own.aligned == other.aligned;
                 same && own.reach == other.reach && (own.closest || !other.closest)
@@ -38,6 +39,9 @@ impl Key {
 pub(super) struct Loader {
     kept: Vec<(Key, Arc<Subject>)>,
     loading: Option<Loading>,
+    coarse: Coarse,
+    /// Whether fields of scans are coarse now.
+    pub(super) is_coarse: bool,
     /// The object that failed or was cancelled, which is not tried again.
     pub(super) failed: Option<Key>,
 }
@@ -58,7 +62,7 @@ impl Loader {
         may_load: bool,
         notify: &Notify,
     ) -> Result<Option<Arc<Subject>>, VariantError> {
-        let key = Key::of(scene, library)?;
+        let key = Key(Key::of(scene, library)?.0, self.is_coarse);
         // The last one first: among several that serve, the same one each time, so that the picture does not restart.
         if let Some(found) = self.kept.iter().rposition(|(known, _)| known.serves(&key)) {
             let last = self.kept.remove(found);
@@ -68,8 +72,13 @@ impl Loader {
         let running = self.loading.as_ref().is_some_and(|loading| loading.key.serves(&key));
         if may_load && !running && self.failed.as_ref() != Some(&key) {
             let (name, scene, library) = (scene.object.input.clone(), scene.clone(), library.clone());
+            let coarse = self.is_coarse.then(|| self.coarse.of(&scene).clone());
             let load = Background::start(notify, move |task| {
-                task.send(Subject::load(&scene, &library, &|fraction| task.report(fraction)));
+                let progress = |fraction| task.report(fraction);
+                task.send(match coarse {
+                    Some(coarse) => coarse.load(&scene, &library, &progress),
+                    None => Subject::load(&scene, &library, &progress),
+                });
             });
             self.loading = Some(Loading { key, name, subject: load });
         }

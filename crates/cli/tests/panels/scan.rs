@@ -41,6 +41,21 @@ fn what_a_scan_holds_is_shown_and_its_iso_values_are_offered() {
     hand.picture("scan");
     assert_eq!(hand.scene().object.iso, Some(iso));
 
+    // A drag in the histogram sets the value under the pointer, as one step.
+    let (range, rect) = (told.histogram.as_ref().unwrap().range, hand.rect("object.histogram"));
+    let at = |part: f32| egui::pos2(egui::lerp(rect.x_range(), part), rect.center().y);
+    hand.drag(at(0.9), at(0.3));
+    let dragged = hand.scene().object.iso.unwrap();
+    let expected = egui::lerp(range.0..=range.1, 0.3);
+    assert!((dragged - expected).abs() < 2e-3 * (range.1 - range.0), "{dragged} for {expected}");
+    hand.act("object.histogram", egui::accesskit::Action::Focus, None);
+    hand.0.key_press(egui::Key::ArrowRight);
+    hand.0.run_steps(2);
+    assert!(hand.scene().object.iso.unwrap() > dragged, "a step to the right");
+    hand.click("undo");
+    hand.click("undo");
+    assert_eq!(hand.scene().object.iso, Some(iso));
+
     // Another object has another file; a read error is shown.
     hand.model().edit("object.input", |scene| scene.object.input = "nowhere.obj".into());
     hand.0.run_steps(2);

@@ -2,7 +2,7 @@
 
 use super::state::App;
 use crate::keys;
-use egui::{Align2, Color32, Context, Event, FontId, Key, PointerButton, Pos2, Response, Stroke, Ui, Vec2, pos2, vec2};
+use egui::{Align2, Color32, Context, Event, FontId, Key, PointerButton, Pos2, Response, Stroke, Ui, Vec2, vec2};
 use glam::{EulerRot, Quat, Vec3};
 use hypertexture::render::ViewPose;
 use hypertexture::scene::Transform;
@@ -276,13 +276,13 @@ fn sun(picture: egui::Rect, at: Option<Pos2>, [x, y, _]: [f32; 3]) -> (Pos2, boo
     }
     let way = vec2(x, -y);
     let to_edge = 0.5 * inside.size() / way.abs().max(Vec2::splat(1e-6));
-    let at = inside.center() + way * to_edge.min_elem();
-    (pos2(at.x, at.y), false)
+    (inside.center() + way * to_edge.min_elem(), false)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use egui::pos2;
 
     #[test]
     fn a_ray_meets_a_line_where_it_is_nearest() {

@@ -12,6 +12,8 @@ use std::time::{Duration, Instant};
 pub(super) const GOOD: f64 = 1e-3;
 /// A scene rests if it has not changed for this long.
 const REST: Duration = Duration::from_millis(200);
+/// Resolution of the field while an iso-value is dragged. Higher: slow on a CPU.
+const COARSE: u32 = 56;
 /// Interval between frames of a moving scene.
 const FRAME: Duration = Duration::from_millis(16);
 
@@ -44,9 +46,15 @@ impl App {
         if let Some((kept, library)) = &self.comparison.pinned {
             scenes.push((Scene { camera: scenes[0].0.camera.clone(), ..kept.clone() }, library.clone()));
         }
+        // A drag does not restart a field that is being computed, so that it is seen.
+        self.loader.is_coarse = self.panels.iso_drag && self.panels.selected().is_none();
+        let is_late = self.panels.iso_drag && self.loader.progress().is_some();
         let (mut variants, lacked, mut lacks) = (Vec::new(), self.jobs.lacks_object, false);
         for (mut scene, library) in scenes {
             scene.image.size = size;
+            if self.loader.is_coarse {
+                scene.object.resolution = scene.object.resolution.min(COARSE);
+            }
             // The object does not depend on the camera.
             let before =
                 self.jobs.submitted.as_ref().filter(|_| !lacked).and_then(|job| job.variants.get(variants.len()));
@@ -55,7 +63,7 @@ impl App {
             let subject = match before {
                 Some(before) => Ok(Some(before.subject.clone())),
                 // The loader loads one object at a time.
-                None => self.loader.subject(&scene, &library, !lacks, &self.notify),
+                None => self.loader.subject(&scene, &library, !lacks && !is_late, &self.notify),
             };
             let subject = match subject {
                 Ok(Some(subject)) => match self.panels.painting.on(subject.clone(), &mut scene) {
@@ -247,6 +255,27 @@ mod tests {
         let long = wait(&mut app, &mut post);
         assert!(!Arc::ptr_eq(&long.variants[0].subject, &short.variants[0].subject));
         assert_eq!(long.variants[0].scene.parameters, app.model.scene().parameters);
+    }
+
+    #[test]
+    fn while_an_iso_value_is_dragged_the_field_is_coarse_and_then_has_its_resolution() {
+        let mut app = app();
+        app.model.edit("object", |scene| (scene.object.input, scene.object.resolution) = ("knot".into(), 72));
+        let mut side = |dragged: bool| {
+            app.panels.iso_drag = dragged;
+            let began = Instant::now();
+            loop {
+                assert!(began.elapsed() < Duration::from_secs(1800)); // a test that fails ends
+                drop(egui::Context::default().run_ui(egui::RawInput::default(), |ui| app.submit(ui, Instant::now())));
+                app.loader.poll().unwrap();
+                let job = app.jobs.submitted.as_ref().filter(|_| !app.jobs.lacks_object);
+                if let Some(field) = job.and_then(|job| job.variants[0].subject.field.clone()) {
+                    return field.grid.size.into_iter().max().unwrap();
+                }
+                std::thread::sleep(Duration::from_millis(5));
+            }
+        };
+        assert_eq!([true, false].map(&mut side), [COARSE, 72]);
     }
 
     #[test]

@@ -4,14 +4,20 @@ use super::context::{Pass, prefix};
 use super::status_bar;
 use super::widgets::{button, named};
 use crate::background::{Background, Notify};
-use egui::{Align2, Context, FontId, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
+use egui::{
+    Align2, Context, EventFilter, FontId, Key, PointerButton, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2,
+};
 use hypertexture::scene::Object;
 use hypertexture::shape::{Facts, Histogram};
 use std::sync::Arc;
 use std::task::Poll;
+use support::significant;
 
 /// Height of the histogram, points.
 const HEIGHT: f32 = 96.0;
+
+/// Digits of a dragged iso-value.
+const DIGITS: usize = 4;
 
 /// Information about the last file.
 #[derive(Default)]
@@ -41,19 +47,28 @@ impl FileInfo {
     }
 }
 
-/// The information, and buttons that apply its suggestions.
-pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, known: &mut FileInfo) {
+/// The information, and buttons that apply its suggestions. Whether an iso-value is being dragged in the histogram.
+pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, known: &mut FileInfo) -> bool {
     let object = part.and_then(|part| pass.draft.parts.get(part)).map_or(&pass.draft.object, |part| &part.object);
     let (iso, is_distance) = (object.iso, object.distance);
     let facts = match known.ask(object, ui.ctx()) {
         Some(Ok(facts)) => facts,
-        Some(Err(reason)) => return drop(ui.label(reason)),
-        None => return drop(ui.weak("reading the file")),
+        Some(Err(reason)) => {
+            ui.label(reason);
+            return false;
+        }
+        None => {
+            ui.weak("reading the file");
+            return false;
+        }
     };
     let lines: Vec<_> = facts.lines.iter().map(|fact| [fact.name.into(), fact.words.clone()]).collect();
     ui.push_id("facts", |ui| status_bar::made(ui, &lines));
-    let Some(histogram) = facts.histogram.as_ref().filter(|_| !is_distance) else { return };
-    chart(ui, histogram, &facts.iso_values, iso, &format!("{}object.histogram", prefix(part)));
+    let Some(histogram) = facts.histogram.as_ref().filter(|_| !is_distance) else { return false };
+    let dragged = chart(ui, histogram, &facts.iso_values, iso, &format!("{}object.histogram", prefix(part)));
+    if let Some(iso) = dragged {
+        pass.set(&format!("{}object.iso", prefix(part)), &significant(f64::from(iso), DIGITS));
+    }
     ui.horizontal_wrapped(|ui| {
         let mut offer = |text: String, name: &str, value: String, doc: &str| {
             if button(ui, &text, &format!("{}object.{name}={value}", prefix(part)), doc).clicked() {
@@ -67,11 +82,13 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, known: 
             offer("signed distances".into(), "distance", "true".into(), "The gradient is that of a distance field.");
         }
     });
+    dragged.is_some()
 }
 
-/// Logarithmic histogram of the voxel values, their mean gradient as a line, and the iso-values.
-fn chart(ui: &mut Ui, histogram: &Histogram, isos: &[f32], iso: Option<f32>, name: &str) {
-    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), Sense::hover());
+/// Logarithmic histogram of the voxel values, their mean gradient as a line, and the iso-values. Returns the value under a
+/// drag, or after a step by an arrow key.
+fn chart(ui: &mut Ui, histogram: &Histogram, isos: &[f32], iso: Option<f32>, name: &str) -> Option<f32> {
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), Sense::drag());
     let painter = ui.painter_at(rect);
     let visuals = ui.visuals();
     painter.rect_filled(rect, 2.0, visuals.extreme_bg_color);
@@ -101,6 +118,17 @@ fn chart(ui: &mut Ui, histogram: &Histogram, isos: &[f32], iso: Option<f32>, nam
     {
         painter.text(corner, align, format!(" {value} "), FontId::proportional(11.0), visuals.text_color());
     }
-    let doc = "Bars: number of voxels, logarithmic. Line: mean gradient. Marks: iso-values.";
+    let doc = "Bars: number of voxels, logarithmic. Line: mean gradient. Marks: iso-values; drag, or use the arrow keys, to set one.";
     named(ui, &response, name).on_hover_text(doc);
+    if let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged_by(PointerButton::Primary)) {
+        return Some(egui::lerp(low..=high, ((at.x - rect.left()) / rect.width()).clamp(0.0, 1.0)));
+    }
+    if !response.has_focus() {
+        return None;
+    }
+    let arrows = EventFilter { horizontal_arrows: true, ..EventFilter::default() };
+    ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
+    let [less, more] = [Key::ArrowLeft, Key::ArrowRight].map(|key| ui.input(|input| input.num_presses(key)) as f32);
+    let from = iso.or(isos.first().copied()).filter(|_| less != more)?;
+    Some((from + (more - less) * (high - low) / bins as f32).clamp(low, high))
 }

@@ -36,6 +36,8 @@ pub struct Panels {
     /// The selected stop of the transfer map.
     stop: usize,
     known: file_info::FileInfo,
+    /// Whether an iso-value of the selected object is being dragged.
+    pub(crate) iso_drag: bool,
     dialogs: dialogs::Dialogs,
     bookmarks: bookmarks::Bookmarks,
     /// Paths of the scene file and of the picture.
@@ -76,6 +78,7 @@ impl Panels {
             locked: BTreeSet::new(),
             stop: 0,
             known: file_info::FileInfo::default(),
+            iso_drag: false,
             dialogs: dialogs::Dialogs::default(),
             bookmarks: bookmarks::Bookmarks::default(),
             paths: [String::new(), "picture.png".into()],
@@ -282,8 +285,9 @@ impl Panels {
         let part = self.selected.clone();
         let part = part.as_deref();
         section(ui, "Object", false, |ui| object::show(ui, pass, part));
+        self.iso_drag = false;
         if advanced {
-            section(ui, "Contents", false, |ui| file_info::show(ui, pass, part, &mut self.known));
+            section(ui, "Contents", false, |ui| self.iso_drag = file_info::show(ui, pass, part, &mut self.known));
         }
         // Above the parameters, whose number changes with the modules, so that nothing moves under the pointer.
         if advanced {
