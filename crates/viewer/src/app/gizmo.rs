@@ -22,17 +22,6 @@ const MARGIN: f32 = 14.0;
 /// Most characters of a typed number.
 const DIGITS: usize = 12;
 
-/// State of the gizmo.
-#[derive(Default)]
-pub(super) struct Gizmo {
-    /// The axis of the drag in progress.
-    grabbed: Option<usize>,
-    /// The last used axis, and whether it was turned about.
-    last: (usize, bool),
-    /// The number typed so far.
-    typed: String,
-}
-
 impl App {
     /// A point of the picture, in points of the window.
     fn on_screen(&self, [x, y]: [f32; 2]) -> Pos2 {

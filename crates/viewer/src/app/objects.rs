@@ -1,7 +1,7 @@
 //! Additional objects under the mouse: selection by a click, and placement by drags.
 
-use super::gizmo::{Gizmo, own_turn, with_turn};
-use super::state::App;
+use super::gizmo::{own_turn, with_turn};
+use super::state::{App, Gizmo};
 use crate::background::Background;
 use crate::worker::Variant;
 use egui::{PointerButton, Pos2, Response, Ui, Vec2};

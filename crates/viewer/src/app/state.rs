@@ -1,6 +1,5 @@
 //! The state of the window, in parts by subject.
 
-use super::gizmo::Gizmo;
 use crate::ViewError;
 use crate::author::Author;
 use crate::background::{Background, Notify};
@@ -143,6 +142,17 @@ pub(super) struct Objects {
     /// Whether drags place the selected object, or the light if none is selected.
     pub(super) places: bool,
     pub(super) gizmo: Gizmo,
+}
+
+/// State of the gizmo.
+#[derive(Default)]
+pub(super) struct Gizmo {
+    /// The axis of the drag in progress.
+    pub(super) grabbed: Option<usize>,
+    /// The last used axis, and whether it was turned about.
+    pub(super) last: (usize, bool),
+    /// The number typed so far.
+    pub(super) typed: String,
 }
 
 /// Time of the scene.
