@@ -9,6 +9,7 @@ use super::script::{Script, widgets};
 use super::unsaved::Latest;
 use super::window_state::{WindowState, perform};
 use egui::{Event, FullOutput, ViewportCommand, ViewportId};
+use egui_winit::accesskit_winit::{self, Adapter};
 use hypertexture::gpu::{GpuError, Messages, Presented};
 use std::io::{self, Write};
 use std::sync::Arc;
@@ -17,7 +18,7 @@ use std::time::{Duration, Instant};
 use winit::application::ApplicationHandler;
 use winit::dpi::{LogicalSize, PhysicalSize};
 use winit::event::{StartCause, WindowEvent};
-use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
 use winit::window::{Fullscreen, Window, WindowId};
 
 /// Interval between frames while a script runs.
@@ -31,8 +32,19 @@ const DEPTHS: [u8; 2] = [24, 32];
 /// Exit code after a second signal, as in shells after Ctrl-C.
 const INTERRUPTED: i32 = 130;
 
-/// Wakes the event loop from another thread.
-struct Wake;
+/// A message to the event loop from another thread.
+enum Message {
+    /// Draw a frame.
+    Wake,
+    /// A screen reader asks for the names of the controls, or acts on one.
+    Reader(accesskit_winit::WindowEvent),
+}
+
+impl From<accesskit_winit::Event> for Message {
+    fn from(event: accesskit_winit::Event) -> Message {
+        Message::Reader(event.window_event)
+    }
+}
 
 /// Shows a window until it is closed.
 ///
@@ -49,7 +61,7 @@ pub fn run(start: Start) -> Result<(), ViewError> {
     };
     let (display, latest) = (Arc::new(Display::find()?), Latest::default());
     let guard = Guard::watch(display.clone(), latest.clone());
-    let mut builder = EventLoop::<Wake>::with_user_event();
+    let mut builder = EventLoop::<Message>::with_user_event();
     display.choose(&mut builder);
     let event_loop = builder.build().map_err(|error| {
         let text = error.to_string();
@@ -59,8 +71,9 @@ pub fn run(start: Start) -> Result<(), ViewError> {
         ViewError::NoDisplay(text.rsplit(": ").next().unwrap_or(&text).replace('\n', " "))
     })?;
     let proxy = event_loop.create_proxy();
+    let (wakes, readers) = (proxy.clone(), proxy);
     // The event loop may have ended.
-    let notify: Notify = Arc::new(move || drop(proxy.send_event(Wake)));
+    let notify: Notify = Arc::new(move || drop(wakes.send_event(Message::Wake)));
     let interrupted = Arc::new(AtomicBool::new(false));
     let (told, wake) = (interrupted.clone(), notify.clone());
     // The first signal stores unsaved work and exits; the second one exits at once.
@@ -76,6 +89,7 @@ pub fn run(start: Start) -> Result<(), ViewError> {
         let mut handler = EventHandler {
             start,
             app,
+            read: script.is_some(),
             script,
             state: None,
             outcome: Ok(()),
@@ -84,6 +98,7 @@ pub fn run(start: Start) -> Result<(), ViewError> {
             display,
             latest,
             notify,
+            readers,
             minimized: false,
             occluded: false,
             hidden: false,
@@ -130,6 +145,10 @@ struct EventHandler {
     display: Arc<Display>,
     latest: Latest,
     notify: Notify,
+    /// Where screen readers ask.
+    readers: EventLoopProxy<Message>,
+    /// Whether a script or a screen reader reads the names of the controls.
+    read: bool,
     /// Whether a script has minimized the window.
     minimized: bool,
     /// Whether other windows cover it.
@@ -145,7 +164,7 @@ struct EventHandler {
     ending: Option<Instant>,
 }
 
-impl ApplicationHandler<Wake> for EventHandler {
+impl ApplicationHandler<Message> for EventHandler {
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
         if self.state.is_some() {
             return;
@@ -154,11 +173,16 @@ impl ApplicationHandler<Wake> for EventHandler {
         let attributes = Window::default_attributes()
             .with_title(self.app.title())
             .with_inner_size(LogicalSize::new(width, height))
-            .with_min_inner_size(LogicalSize::new(320, 240));
+            .with_min_inner_size(LogicalSize::new(320, 240))
+            .with_visible(false); // readers are told of a window before it is seen
         let opened = event_loop
             .create_window(attributes)
             .map_err(|error| ViewError::Window(error.to_string()))
-            .and_then(|window| self.open(Arc::new(window)));
+            .and_then(|window| {
+                let adapter = Adapter::with_event_loop_proxy(event_loop, &window, self.readers.clone());
+                window.set_visible(true);
+                self.open(Arc::new(window), Some(adapter))
+            });
         self.exit_on_error(event_loop, opened);
     }
 
@@ -168,7 +192,24 @@ impl ApplicationHandler<Wake> for EventHandler {
         }
     }
 
-    fn user_event(&mut self, _: &ActiveEventLoop, Wake: Wake) {
+    fn user_event(&mut self, _: &ActiveEventLoop, message: Message) {
+        if let (Message::Reader(event), Some(state)) = (message, &mut self.state) {
+            match event {
+                accesskit_winit::WindowEvent::InitialTreeRequested => {
+                    self.read = true;
+                    state.context.enable_accesskit();
+                }
+                accesskit_winit::WindowEvent::ActionRequested(request) => {
+                    state.input.on_accesskit_action_request(request);
+                }
+                accesskit_winit::WindowEvent::AccessibilityDeactivated => {
+                    self.read = self.script.is_some();
+                    if !self.read {
+                        state.context.disable_accesskit();
+                    }
+                }
+            }
+        }
         self.request_frame();
     }
 
@@ -212,16 +253,16 @@ impl ApplicationHandler<Wake> for EventHandler {
 }
 
 impl EventHandler {
-    fn open(&mut self, window: Arc<Window>) -> Result<(), ViewError> {
-        let state =
-            WindowState::new(&self.start, window, self.notify.clone(), self.script.is_some()).map_err(|error| {
-                match self.display.depth() {
-                    Some(depth) if matches!(error, ViewError::Gpu(GpuError::NoPresent)) && !DEPTHS.contains(&depth) => {
-                        ViewError::Depth(self.display.name(), depth)
-                    }
-                    _ => error,
+    fn open(&mut self, window: Arc<Window>, adapter: Option<Adapter>) -> Result<(), ViewError> {
+        let mut state = WindowState::new(&self.start, window, self.notify.clone(), self.read).map_err(|error| {
+            match self.display.depth() {
+                Some(depth) if matches!(error, ViewError::Gpu(GpuError::NoPresent)) && !DEPTHS.contains(&depth) => {
+                    ViewError::Depth(self.display.name(), depth)
                 }
-            })?;
+                _ => error,
+            }
+        })?;
+        state.input.accesskit = adapter;
         self.messages.push(state.canvas.gpu().messages());
         self.app.use_device(state.canvas.gpu());
         state.window.request_redraw();
@@ -229,10 +270,10 @@ impl EventHandler {
         Ok(())
     }
 
-    /// Drops everything on the device and returns the window.
-    fn close(&mut self) -> Option<Arc<Window>> {
+    /// Drops everything on the device and returns the window, and what readers know of it.
+    fn close(&mut self) -> Option<(Arc<Window>, Option<Adapter>)> {
         self.app.leave_device();
-        self.state.take().map(|state| state.window)
+        self.state.take().map(|mut state| (state.window, state.input.accesskit.take()))
     }
 
     fn exit_on_error(&mut self, event_loop: &ActiveEventLoop, done: Result<(), ViewError>) {
@@ -256,7 +297,7 @@ impl EventHandler {
         }
         log::warn!("the device was lost; another one is opened");
         match self.close() {
-            Some(window) => self.open(window),
+            Some((window, adapter)) => self.open(window, adapter),
             None => lost,
         }
     }
