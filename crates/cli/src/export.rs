@@ -1,6 +1,6 @@
 //! `web` and `export`: a scene for a browser, and for other hosts.
 
-use super::picture::smooth;
+use super::picture::{draw, smooth};
 use super::scene_arguments::{ObjectFlags, SceneArguments};
 use super::session::check_folder;
 use super::{absolute, say, try_modules, with_device, with_progress};
@@ -9,7 +9,7 @@ use export::{File, Page, folder, page};
 use hypertexture::gpu::Options;
 use hypertexture::output::{self, Depth, Provenance, encode_png};
 use hypertexture::render::variant::Variant;
-use hypertexture::render::{Portable, RenderError, Renderer, Subject, widest};
+use hypertexture::render::{Portable, RenderError, Subject, widest};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
 use std::error::Error;
@@ -76,9 +76,19 @@ fn load(
     }
     let (variant, library) = super::checked(&scene)?;
     try_modules(&variant, &library, options)?;
-    let widest = widest(&scene, &library)?;
+    loaded(command, &scene, (variant, library), quiet)
+}
+
+/// Loads the object of a checked scene and makes its programs and inputs.
+fn loaded(
+    command: String,
+    scene: &Scene,
+    (variant, library): (Variant, Library),
+    quiet: bool,
+) -> Result<Loaded, Box<dyn Error>> {
+    let widest = widest(scene, &library)?;
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&widest, &library, progress))?;
-    let portable = with_progress(quiet, "program", |progress| Portable::of(&library, &scene, &subject, progress))?;
+    let portable = with_progress(quiet, "program", |progress| Portable::of(&library, scene, &subject, progress))?;
     let still = portable.motion.iter().flat_map(|motion| &motion.still).cloned().collect::<Vec<_>>().join(", ");
     if !quiet && !still.is_empty() {
         say(&format!("note       {still}: without motion, since it changes the program, its images or the field\n"));
@@ -88,39 +98,66 @@ fn load(
 
 /// Writes a page.
 pub(super) fn web(command: &Web, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
-    let is_single = command.single_file;
-    let usual = if is_single { "page.html" } else { "page" };
-    let path = command.output.clone().unwrap_or_else(|| usual.into());
-    match is_single {
-        true if path.extension().is_none_or(|end| !end.eq_ignore_ascii_case("html")) => {
-            return Err(format!("--output {}: end the name in .html", path.display()).into());
-        }
-        true => output::check_all([("--output", path.clone())], [PathBuf::from(&command.input)])?,
-        false => check_folder(&path)?,
-    }
+    let path = command.path()?;
     let loaded = load(("web", &command.input), (&command.arguments, &command.object), Some(options), quiet)?;
-    let Loaded { variant, library, subject, portable, command: line } = &loaded;
+    let stem = Path::new(&command.input).file_stem().unwrap_or_default().to_string_lossy().replace('_', " ");
+    let title = command.arguments.effect.as_ref().map_or(stem.clone(), |effect| format!("{effect} on {stem}"));
+    write_page(&loaded, (&path, &title, command.single_file), options, quiet)
+}
+
+/// Writes the page of a scene that the window shows.
+pub(super) fn web_of(
+    command: &Web,
+    (mut scene, library): (Scene, Library),
+    options: &Options,
+    quiet: bool,
+) -> Result<(), Box<dyn Error>> {
+    let path = command.path()?;
+    let line = command_of("web", &scene, &library);
+    smooth(&mut scene);
+    let loaded = loaded(line, &scene, (Variant::of(&scene, &library)?, library), quiet)?;
+    let title = path.file_stem().unwrap_or_default().to_string_lossy().replace('_', " ");
+    write_page(&loaded, (&path, &title, command.single_file), options, quiet)
+}
+
+impl Web {
+    /// The checked path of the output.
+    fn path(&self) -> Result<PathBuf, Box<dyn Error>> {
+        let usual = if self.single_file { "page.html" } else { "page" };
+        let path = self.output.clone().unwrap_or_else(|| usual.into());
+        match self.single_file {
+            true if path.extension().is_none_or(|end| !end.eq_ignore_ascii_case("html")) => {
+                return Err(format!("--output {}: end the name in .html", path.display()).into());
+            }
+            true => output::check_all([("--output", path.clone())], [PathBuf::from(&self.input)])?,
+            false => check_folder(&path)?,
+        }
+        Ok(path)
+    }
+}
+
+fn write_page(
+    loaded: &Loaded,
+    (path, title, is_single): (&Path, &str, bool),
+    options: &Options,
+    quiet: bool,
+) -> Result<(), Box<dyn Error>> {
+    let Loaded { variant, library, subject, portable, command: line } = loaded;
     let picture = with_device(options, |gpu| {
-        let frame = with_progress(quiet, "picture", |progress| {
-            let mut renderer = Renderer::new(gpu, library, subject);
-            renderer.prepare(variant, progress)?;
-            renderer.render(variant)
-        })?;
+        let frame = draw(gpu, library, (variant, subject), quiet)?;
         let provenance = Provenance::of(&variant.scene, &gpu.info().title(), &frame.measurements)?;
         Ok(encode_png(&frame, variant.scene.image.background, Depth::Eight, &provenance)?)
     })?;
-    let stem = Path::new(&command.input).file_stem().unwrap_or_default().to_string_lossy().replace('_', " ");
-    let title = command.arguments.effect.as_ref().map_or(stem.clone(), |effect| format!("{effect} on {stem}"));
     let flag = if is_single { " --single-file" } else { "" };
     let line = format!("{line}{flag} -o {}", path.file_name().unwrap_or_default().to_string_lossy());
-    let files = page(portable, &Page { title: &title, command: &line, picture: &picture, is_single })?;
+    let files = page(portable, &Page { title, command: &line, picture: &picture, is_single })?;
     match is_single {
         true => {
             write(Path::new(""), &[(path.to_string_lossy().into(), files.into_iter().next().unwrap_or_default().1)])?
         }
-        false => write(&path, &files)?,
+        false => write(path, &files)?,
     }
-    let shown = if is_single { path } else { path.join("index.html") };
+    let shown = if is_single { path.to_path_buf() } else { path.join("index.html") };
     say_written(&shown, quiet)
 }
 

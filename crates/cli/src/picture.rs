@@ -1,12 +1,14 @@
 //! A picture or a shard: rendering, writing, and the summary.
 
 use super::{absolute, say, with_progress};
-use hypertexture::field::{DistanceField, Progress};
+use hypertexture::field::DistanceField;
 use hypertexture::gpu::Gpu;
 use hypertexture::output::shard::{self, Shard};
 use hypertexture::output::{Depth, Provenance, ProvenanceError, encode_png, identity, write};
 use hypertexture::render::variant::Variant;
-use hypertexture::render::{FINITE, Frame, ModuleFault, Renderer, Subject, half_height, octaves_held, warnings};
+use hypertexture::render::{
+    FINITE, Frame, ModuleFault, RenderError, Renderer, Subject, half_height, octaves_held, warnings,
+};
 use hypertexture::scene::schema::{Kind, setting};
 use hypertexture::scene::{Pass, Scene};
 use hypertexture::shader::Library;
@@ -84,14 +86,9 @@ pub(super) fn say_fault(fault: Option<ModuleFault>) {
 pub(super) fn render_picture(picture: &Picture<'_>, drawn: Option<Frame>) -> Result<Frame, Box<dyn Error>> {
     let Picture { gpu, library, variant, subject, output, quiet, tell, .. } = *picture;
     let scene = &variant.scene;
-    let render = |progress: Progress<'_>| {
-        let mut renderer = Renderer::new(gpu, library, subject);
-        renderer.prepare(variant, progress)?;
-        renderer.render(variant)
-    };
     let frame = match drawn {
         Some(drawn) => drawn,
-        None => with_progress(quiet, "picture", render)?,
+        None => draw(gpu, library, (variant, subject), quiet)?,
     };
     let provenance = picture.provenance(scene, &frame)?;
     let (background, depth) = (scene.image.background, picture.depth());
@@ -111,6 +108,18 @@ pub(super) fn render_picture(picture: &Picture<'_>, drawn: Option<Frame>) -> Res
         tell(&format!("wrote {}\n", absolute(output)));
     }
     Ok(frame)
+}
+
+/// Renders a picture.
+pub(super) fn draw(
+    gpu: &Gpu,
+    library: &Library,
+    (variant, subject): (&Variant, &Subject),
+    quiet: bool,
+) -> Result<Frame, RenderError> {
+    let mut renderer = Renderer::new(gpu, library, subject);
+    with_progress(quiet, "noise", |progress| renderer.prepare(variant, progress))?;
+    with_progress(quiet, "picture", |progress| renderer.render_with(variant, progress))
 }
 
 /// Explanation of an empty picture.

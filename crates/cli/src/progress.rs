@@ -4,9 +4,9 @@ use super::complain;
 use hypertexture::field::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
-use std::sync::Once;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::{Once, OnceLock};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -15,17 +15,29 @@ const PATIENCE: Duration = Duration::from_secs(1);
 /// Time between two lines.
 const PERIOD: Duration = Duration::from_secs(60);
 
+/// Where the progress of a job goes: its stage, and the part of it that is done.
+type Listener = Box<dyn Fn(&'static str, f32) + Send + Sync>;
+static LISTENER: OnceLock<Listener> = OnceLock::new();
+
+/// Sends the progress of this process, which is a job, to `listener`.
+pub(super) fn listen(listener: Listener) {
+    let _ = LISTENER.set(listener); // a process is one job
+}
+
 /// Runs a computation; a bar appears on a terminal when it takes longer than a second, a line each minute elsewhere.
-pub(super) fn with_progress<T>(quiet: bool, what: &str, run: impl FnOnce(Progress<'_>) -> T) -> T {
+pub(super) fn with_progress<T>(quiet: bool, what: &'static str, run: impl FnOnce(Progress<'_>) -> T) -> T {
     follow(quiet, what, false, run)
 }
 
 /// Runs a computation that may take minutes, as [`with_progress`] does; without a terminal its first report is a line too.
-pub(super) fn announced<T>(quiet: bool, what: &str, run: impl FnOnce(Progress<'_>) -> T) -> T {
+pub(super) fn announced<T>(quiet: bool, what: &'static str, run: impl FnOnce(Progress<'_>) -> T) -> T {
     follow(quiet, what, true, run)
 }
 
-fn follow<T>(quiet: bool, what: &str, announce: bool, run: impl FnOnce(Progress<'_>) -> T) -> T {
+fn follow<T>(quiet: bool, what: &'static str, announce: bool, run: impl FnOnce(Progress<'_>) -> T) -> T {
+    if let Some(listener) = LISTENER.get() {
+        return run(&|part| listener(what, part));
+    }
     if quiet {
         return run(&|_| ());
     }

@@ -1,22 +1,52 @@
-//! The job of the window that renders final pictures and exports meshes and volumes.
+//! The job of the window that renders final pictures and exports meshes, volumes and pages.
 
 use super::args::{Arguments, Command};
 use super::render::render;
-use super::{mesh, volume};
+use super::{export, mesh, progress, volume};
 use clap::Parser;
 use hypertexture::gpu::Options;
 use hypertexture::render::variant::Variant;
 use hypertexture::{scene, shader};
 use std::error::Error;
 use std::io;
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::{Arc, Mutex};
+use std::thread;
+use std::time::Duration;
 use support::jobs::Parent;
-use viewer::RenderJob;
+use viewer::{RenderAnswer, RenderJob};
 
-/// Writes the files of a request, with modules whose text may be in no file.
+/// Interval between messages of progress.
+const PERIOD: Duration = Duration::from_millis(100);
+/// Stack of the thread that renders, in bytes: that of a main thread.
+const STACK: usize = 8 << 20;
+
+/// Writes the files of a request, with modules whose text may be in no file, and tells how far it is.
 pub fn serve(mut parent: Parent, options: &Options) -> io::Result<()> {
     parent.give_way();
     let Some(job) = parent.request()? else { return Ok(()) };
-    parent.tell(&render_job(job, options).map_err(|error| error.to_string()), &[])
+    let at: Arc<Mutex<Option<(&'static str, f32)>>> = Arc::default();
+    let latest = at.clone();
+    progress::listen(Box::new(move |what, part| {
+        *latest.lock().unwrap_or_else(|error| error.into_inner()) = Some((what, part))
+    }));
+    thread::scope(|scope| {
+        let (tell, done) = channel();
+        let work = move || drop(tell.send(render_job(job, options).map_err(|error| error.to_string())));
+        thread::Builder::new().stack_size(STACK).spawn_scoped(scope, work)?;
+        loop {
+            match done.recv_timeout(PERIOD) {
+                Ok(result) => return parent.tell(&RenderAnswer::Done(result), &[]),
+                Err(RecvTimeoutError::Disconnected) => return Err(io::Error::other("the rendering panicked")),
+                Err(RecvTimeoutError::Timeout) => {
+                    let latest = at.lock().unwrap_or_else(|error| error.into_inner()).take();
+                    if let Some((what, part)) = latest {
+                        parent.tell(&RenderAnswer::At(what.into(), part), &[])?;
+                    }
+                }
+            }
+        }
+    })
 }
 
 fn render_job(job: RenderJob, options: &Options) -> Result<(), Box<dyn Error>> {
@@ -30,6 +60,7 @@ fn render_job(job: RenderJob, options: &Options) -> Result<(), Box<dyn Error>> {
         }
         Command::Mesh(command) => mesh::export(&command, &scene, (variant, library), true),
         Command::Volume(command) => volume::export(&command, options, &scene, (variant, library), true),
+        Command::Web(command) => export::web_of(&command, (scene, library), options, true),
         _ => Err("the window asks for no such file".into()),
     }
 }

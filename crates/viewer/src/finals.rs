@@ -41,6 +41,15 @@ pub struct RenderJob {
     pub command: Vec<String>,
 }
 
+/// Answers of the child process, of which [`RenderAnswer::Done`] is the last.
+#[derive(Debug, Serialize, Deserialize)]
+pub enum RenderAnswer {
+    /// A stage, and the part of it that is done.
+    At(String, f32),
+    /// The end, or the reason why there are no files.
+    Done(Result<(), String>),
+}
+
 /// Kind of the output.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Kind {
@@ -54,6 +63,8 @@ pub(super) enum Kind {
     Mesh,
     /// The density and its color as a volume.
     Volume,
+    /// A page for browsers: a file, or a folder.
+    Page,
 }
 
 /// Animation of a sequence.
@@ -119,9 +130,15 @@ impl Order {
     /// The first file that is written.
     pub(super) fn first(&self) -> PathBuf {
         match self.kind {
-            Kind::Picture | Kind::Mesh | Kind::Volume => self.path.clone(),
+            Kind::Page if !self.is_file() => self.path.join("index.html"),
+            Kind::Picture | Kind::Mesh | Kind::Volume | Kind::Page => self.path.clone(),
             Kind::Sequence | Kind::Video => frame_path(&self.pictures(), 0),
         }
+    }
+
+    /// Whether a page is a single file.
+    fn is_file(&self) -> bool {
+        self.path.extension().is_some_and(|end| end.eq_ignore_ascii_case("html"))
     }
 
     /// The command line.
@@ -130,6 +147,7 @@ impl Order {
             Kind::Picture | Kind::Sequence | Kind::Video => "render",
             Kind::Mesh => "mesh",
             Kind::Volume => "volume",
+            Kind::Page => "web",
         };
         let mut words: Vec<String> = ["hypertexture", "--quiet", name, "scene", "--output"].map(String::from).into();
         let output = if self.kind == Kind::Video { self.pictures() } else { self.path.clone() };
@@ -137,6 +155,7 @@ impl Order {
         if matches!(self.kind, Kind::Mesh | Kind::Volume) {
             words.extend(["--grid".into(), self.grid.to_string()]);
         }
+        words.extend((self.kind == Kind::Page && self.is_file()).then(|| "--single-file".into()));
         if let Some(error) = self.max_error {
             words.extend(["--max-error".into(), error.to_string()]);
         }
@@ -149,17 +168,29 @@ impl Order {
         words
     }
 
-    /// Renders the pictures, and encodes the video.
-    fn perform(&self, program: &Path, device: Option<&str>, is_stale: &dyn Fn() -> bool) -> Result<(), String> {
+    /// Renders the pictures, and encodes the video; `tell` gets each stage.
+    fn perform(
+        &self,
+        program: &Path,
+        device: Option<&str>,
+        is_stale: &dyn Fn() -> bool,
+        tell: &dyn Fn(RenderAnswer),
+    ) -> Result<(), String> {
         let (scene, changed) = (scene::to_text(&self.scene), shader::changed(&self.library));
         let job = RenderJob { scene, changed, command: self.command() };
         let limits = Limits { time: Duration::from_secs(1 << 30), memory_mib: 1 << 30, ..Limits::default() };
         let rendered = Child::start(program, device, JOB, &limits).and_then(|mut child| {
             child.send(&job);
-            child.receive::<Result<(), String>>(is_stale)
+            loop {
+                match child.receive(is_stale)?.0 {
+                    RenderAnswer::Done(done) => return Ok(done),
+                    at => tell(at),
+                }
+            }
         });
-        rendered.map_err(|ended| format!("{}: {ended}", program.display()))?.0?;
+        rendered.map_err(|ended| format!("{}: {ended}", program.display()))??;
         let Some(motion) = self.motion.filter(|_| self.kind == Kind::Video) else { return Ok(()) };
+        tell(RenderAnswer::At("encoding".into(), 1.0));
         let fail = |error: std::io::Error| format!("ffmpeg: {error}");
         let mut process = ffmpeg(&self.pictures(), motion.fps, &self.path).spawn().map_err(fail)?;
         while process.try_wait().map_err(fail)?.is_none() {
@@ -184,7 +215,9 @@ pub(super) fn is_installed(name: &str) -> bool {
 /// An order in progress.
 pub(super) struct Rendering {
     pub(super) order: Order,
-    done: Background<Result<(), String>>,
+    answers: Background<RenderAnswer>,
+    /// The stage, and the part of it that is done.
+    pub(super) at: Option<(String, f32)>,
     began: Instant,
 }
 
@@ -192,10 +225,12 @@ impl Rendering {
     /// Starts an order on the device of a gate.
     pub(super) fn start(gate: &Gate, order: Order) -> Rendering {
         let (program, device, own) = (gate.program().to_path_buf(), gate.device(), order.clone());
-        let done = Background::start(&silent(), move |task| {
-            task.send(own.perform(&program, device.as_deref(), &|| task.is_cancelled()));
+        let answers = Background::start(&silent(), move |task| {
+            let tell = |answer| task.send(answer);
+            let done = own.perform(&program, device.as_deref(), &|| task.is_cancelled(), &tell);
+            task.send(RenderAnswer::Done(done));
         });
-        Rendering { order, done, began: Instant::now() }
+        Rendering { order, answers, at: None, began: Instant::now() }
     }
 
     /// Seconds since the start.
@@ -211,15 +246,22 @@ impl Rendering {
     }
 
     /// The result of the order, if it has ended.
-    pub(super) fn poll(&self) -> Option<Result<String, String>> {
-        let Poll::Ready(done) = self.done.poll() else { return None };
+    pub(super) fn poll(&mut self) -> Option<Result<String, String>> {
+        let done = loop {
+            match self.answers.poll() {
+                Poll::Pending => return None,
+                Poll::Ready(Some(RenderAnswer::At(what, part))) => self.at = Some((what, part)),
+                Poll::Ready(Some(RenderAnswer::Done(done))) => break done,
+                Poll::Ready(None) => break Err("its thread has failed".into()),
+            }
+        };
         let Order { scene, kind, motion, path, .. } = &self.order;
         let ([width, height], path) = (scene.image.size, std::path::absolute(path).unwrap_or_else(|_| path.clone()));
         let count = motion.map_or(String::new(), |motion| format!("{} pictures of ", motion.frames));
         let background = if scene.image.background.is_some() { "its" } else { "a transparent" };
-        Some(done.unwrap_or_else(|| Err("its thread has failed".into())).map(|()| {
+        Some(done.map(|()| {
             let (path, seconds) = (path.display(), self.seconds());
-            if matches!(kind, Kind::Mesh | Kind::Volume) {
+            if matches!(kind, Kind::Mesh | Kind::Volume | Kind::Page) {
                 return format!("wrote {path} in {seconds} s");
             }
             format!("wrote {path}, {count}{width} x {height} pixels, with {background} background, in {seconds} s")
@@ -250,6 +292,10 @@ mod tests {
         assert_eq!(picture.first(), Path::new("a.png"));
         let mesh = Order { kind: Kind::Mesh, ..order("a.ply") };
         assert_eq!(mesh.command()[2..], ["mesh", "scene", "--output", "a.ply", "--grid", "128"]);
+        let page = |path: &str| Order { kind: Kind::Page, ..order(path) };
+        assert_eq!(page("a.html").command()[2..], ["web", "scene", "--output", "a.html", "--single-file"]);
+        assert_eq!(page("a").command()[2..], ["web", "scene", "--output", "a"]);
+        assert_eq!((page("a.html").first(), page("a").first()), ("a.html".into(), "a/index.html".into()));
         let video = Order { kind: Kind::Video, motion: Some(Motion::default()), ..order("out/turn.mp4") };
         let words = ["--output", "out/turn_####.png", "--frames", "0..99", "--fps", "25", "--turntable"];
         assert_eq!((&video.command()[4..], video.first()), (&words.map(String::from)[..], "out/turn_0000.png".into()));

@@ -52,5 +52,5 @@ pub use app::Start;
 pub use display::NO_WINDOW;
 pub use error::ViewError;
 pub use event_loop::run;
-pub use finals::{JOB as FINAL_JOB, RenderJob};
+pub use finals::{JOB as FINAL_JOB, RenderAnswer, RenderJob};
 pub use trackball::Trackball;

@@ -89,7 +89,7 @@ impl Depth {
         let plane = Dimension::Plane(width, height);
         let image = Arc::new(Image::new(gpu, "depth", plane, Format::R32Float, ImageUse::Target(1))?);
         let (set, all) = (self.bind(gpu, bound, Some(&image))?, [Area::whole([width, height])]);
-        let mut control = SubmissionControl { budget: &mut self.budget, stop };
+        let mut control = SubmissionControl { budget: &mut self.budget, stop: &|ms, _| stop(ms) };
         pass::march(gpu, &self.pipeline, &set, (&all[..], frame.planes.count), Target::of(&image), &mut control)?;
         Ok(image.read()?.into_iter().map(|[depth, ..]| depth).collect())
     }

@@ -138,9 +138,10 @@ pub fn march(
     drawn.fragments = drawn.fragments.filter(|_| !pipeline.is_compute());
     let mut load = Load::Clear([0.0; 4]);
     let mut left: VecDeque<Area> = areas.iter().map(Area::quads).collect();
+    let (all, mut done) = (left.iter().map(Area::pixels).sum::<u64>().max(1) as f32, 0);
     let samples = f64::from(samples.max(1));
     while load != Load::Keep || !left.is_empty() {
-        control.check(drawn.gpu_ms)?;
+        control.check(drawn.gpu_ms, done as f32 / all)?;
         let taken = take(&mut left, (control.budget.samples() / samples) as u64);
         let cost = gpu.submit("rays", |commands| {
             if pipeline.is_compute() {
@@ -158,7 +159,9 @@ pub fn march(
         })?;
         drawn.add(&cost);
         if !taken.is_empty() {
-            control.budget.took(taken.iter().map(Area::pixels).sum::<u64>() as f64 * samples, cost.gpu_ms);
+            let pixels = taken.iter().map(Area::pixels).sum::<u64>();
+            control.budget.took(pixels as f64 * samples, cost.gpu_ms);
+            done += pixels;
         }
         load = Load::Keep;
     }
@@ -284,7 +287,7 @@ pub(crate) fn draw(
     let mut next = 0;
     let pixels = (tiles.pixels(0..stack.slices) as f64 / f64::from(stack.slices)).max(1.0);
     while next < stack.slices {
-        control.check(drawn.gpu_ms)?;
+        control.check(drawn.gpu_ms, next as f32 / stack.slices as f32)?;
         let batch = (control.budget.samples() / pixels).max(1.0) as u32;
         let range: Range<u32> = next..next.saturating_add(batch).min(stack.slices);
         let mut blend = |commands: &mut Commands<'_>, slices: Range<u32>| {

@@ -334,17 +334,20 @@ impl Prepared {
         areas: &[gpu::Area],
         wanted: impl Fn(u32) -> bool,
         mut prelude: Option<Prelude<'_>>,
-        stop: &dyn Fn(f64) -> bool,
+        stop: &dyn Fn(f64, f32) -> bool,
     ) -> Result<Option<Frame>, RenderError> {
         let (frame, scene) = (self.context(variant, subject), &variant.scene);
         let slices = self.slices(&frame)?;
         let mut pictures = Mean::default();
         let mut drawn = pass::PassTiming { fragments: Some(0), ..Default::default() };
         let (mut shadow_ms, mut shadow_before_ms) = (None, 0.0);
+        let all = (0..).zip(SubFrame::all(scene)).filter(|(number, _)| wanted(*number)).count() as f32;
         for (_, sub_frame) in (0..).zip(SubFrame::all(scene)).filter(|(number, _)| wanted(*number)) {
+            let finished = pictures.count as f32;
+            let stop = |ms: f64, part: f32| stop(ms, (finished + part) / all);
             let so_far = drawn.gpu_ms + shadow_ms.unwrap_or(0.0);
-            self.bound.fill(&self.gpu, &self.program, &frame, &sub_frame, &|| stop(so_far))?;
-            if let Some([now, before]) = self.cast(&frame, &|ms| stop(so_far + ms))? {
+            self.bound.fill(&self.gpu, &self.program, &frame, &sub_frame, &|| stop(so_far, 0.0))?;
+            if let Some([now, before]) = self.cast(&frame, &|ms| stop(so_far + ms, 0.0))? {
                 shadow_ms = Some(shadow_ms.unwrap_or(0.0) + now);
                 shadow_before_ms += if pictures.count == 0 { before } else { 0.0 };
             }
@@ -358,7 +361,7 @@ impl Prepared {
             let target = gpu::Target { color, resolved: resolved.as_ref(), marks };
             let (gpu, pipeline) = (&self.gpu, &*self.pipelines.picture);
             let before = drawn.gpu_ms + shadow_ms.unwrap_or(0.0);
-            let stop = |ms: f64| stop(before + ms);
+            let stop = |ms: f64, part: f32| stop(before + ms, part);
             let mut control = SubmissionControl { budget: &mut self.pipelines.budget, stop: &stop };
             let tiles = self.bound.tiles(&frame, areas);
             drawn.append(&match (&slices, &self.pipelines.half_angle) {

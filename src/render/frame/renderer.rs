@@ -159,9 +159,17 @@ impl Renderer {
     /// # Errors
     /// As [`render`].
     pub fn render(&mut self, scene: &impl Checkable) -> Result<Frame, RenderError> {
+        self.render_with(scene, &|_| ())
+    }
+
+    /// Renders a scene as [`Renderer::render`]. `progress` receives the finished share between submissions.
+    ///
+    /// # Errors
+    /// As [`render`].
+    pub fn render_with(&mut self, scene: &impl Checkable, progress: Progress<'_>) -> Result<Frame, RenderError> {
         let checked = scene.checked(&self.library)?;
-        let all = 0..checked.scene.image.size[1];
-        self.render_bands(&*checked, std::slice::from_ref(&all))
+        let whole = Area::whole(checked.scene.image.size);
+        self.areas(&*checked, std::slice::from_ref(&whole), None, progress)
     }
 
     /// Renders bands of a picture: ranges of rows that neither overlap nor touch. Their pixels have the bits of the
@@ -197,6 +205,16 @@ impl Renderer {
         areas: &[Area],
         number: Option<u32>,
     ) -> Result<Frame, RenderError> {
+        self.areas(scene, areas, number, &|_| ())
+    }
+
+    fn areas(
+        &mut self,
+        scene: &impl Checkable,
+        areas: &[Area],
+        number: Option<u32>,
+        progress: Progress<'_>,
+    ) -> Result<Frame, RenderError> {
         let (start, before) = (Instant::now(), own_processor_time());
         let own = scene.checked(&self.library)?.into_owned();
         let mut is_open = self.ways.recall(&self.gpu, &own, &self.library) && !self.is_cut(&own);
@@ -213,7 +231,11 @@ impl Renderer {
         let mut frame = loop {
             let prelude: Option<Prelude<'_>> = if is_open { Some(&mut choose) } else { None };
             let prepared = self.prepared(&variant, Destination::Frame, &|_| ())?;
-            let frame = prepared.frame(&variant, &subject, areas, wanted, prelude, &*stop);
+            let told = |ms: f64, part: f32| {
+                progress(part);
+                stop(ms)
+            };
+            let frame = prepared.frame(&variant, &subject, areas, wanted, prelude, &told);
             match frame.map_err(|error| with_module_cause(error, &self.library, &self.plain(&own), &subject))? {
                 Some(frame) => break frame,
                 None => self.cut_short.push((variant.slots.clone(), variant.scene.quality.samples)),

@@ -181,7 +181,7 @@ impl ShadowCaster {
         let set = bind::bind_rays((&self.program, &self.pipeline), bound.with(&blocks), Some(&color))?;
         let target = gpu::Target::of(&color);
         let all = [gpu::Area::whole([width, height])];
-        let mut control = SubmissionControl { budget: &mut self.budget, stop };
+        let mut control = SubmissionControl { budget: &mut self.budget, stop: &|ms, _| stop(ms) };
         let drawn = pass::march(gpu, &self.pipeline, &set, (&all[..], SEGMENTS_OF_A_TEXEL), target, &mut control)?;
         Ok((color.read_with(|segments| space.products(segments, code))?, drawn.gpu_ms))
     }

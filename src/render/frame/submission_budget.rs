@@ -92,13 +92,14 @@ impl SubmissionBudget {
 pub struct SubmissionControl<'a> {
     /// Sizes of submissions.
     pub budget: &'a mut SubmissionBudget,
-    /// Whether the picture ends unfinished; called before each submission with the milliseconds on the device.
-    pub stop: &'a dyn Fn(f64) -> bool,
+    /// Whether the picture ends unfinished; called before each submission with the milliseconds on the device and the part
+    /// that is done.
+    pub stop: &'a dyn Fn(f64, f32) -> bool,
 }
 
 impl SubmissionControl<'_> {
-    pub(crate) fn check(&self, ms: f64) -> Result<(), RenderError> {
-        if (self.stop)(ms) { Err(RenderError::Stopped) } else { Ok(()) }
+    pub(crate) fn check(&self, ms: f64, part: f32) -> Result<(), RenderError> {
+        if (self.stop)(ms, part) { Err(RenderError::Stopped) } else { Ok(()) }
     }
 }
 

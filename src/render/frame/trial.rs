@@ -172,7 +172,7 @@ impl Prepared {
         let areas: Vec<Area> = rows.map(|rows| Area { columns: 0..width, rows }).collect();
         let mut budget = SubmissionBudget::default();
         let mut run = |_| {
-            let mut control = SubmissionControl { budget: &mut budget, stop };
+            let mut control = SubmissionControl { budget: &mut budget, stop: &|ms, _| stop(ms) };
             let places = (areas.as_slice(), frame.planes.count);
             pass::march(&self.gpu, pipeline, &set, places, Target::of(color), &mut control)
         };

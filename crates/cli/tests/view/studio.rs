@@ -32,18 +32,22 @@ fn a_lesson_measures_turbulence_and_leaves_a_scene_that_can_be_saved() {
 fn menus_do_what_keys_do_and_a_scene_leaves_as_mesh_and_volume() {
     let display = Display::new();
     let folder = tempfile::tempdir().unwrap();
-    let [mesh, volume, direct] = ["a.ply", "a.npy", "b.ply"].map(|name| folder.path().join(name));
+    let [mesh, volume, direct, page, pages] =
+        ["a.ply", "a.npy", "b.ply", "a.html", "pages"].map(|name| folder.path().join(name));
     let export = |kind: &str, file: &Path| {
         format!(
-            "click final.{kind}\nwrite final.file {}\nset final.grid 24\nframes 2\nclick final.render\nwait idle\n",
-            file.display()
+            "click final.{kind}\nwrite final.file {}\n{}frames 2\nclick final.render\nwait idle\n",
+            file.display(),
+            if kind == "page" { "" } else { "set final.grid 24\n" }
         )
     };
     let script = format!(
         "wait picture\nclick menu Help\nframes 3\nclick menu this list\nframes 3\nwrite help.search light\nkey Esc\nkey Esc\n\
-         click menu Render\nframes 3\nclick menu final picture, sequence, video, mesh or volume\nframes 3\n{}{}quit\n",
+         click menu Render\nframes 3\nclick menu final picture, sequence, video, mesh, volume or page\nframes 3\n{}{}{}{}quit\n",
         export("mesh", &mesh),
-        export("volume", &volume)
+        export("volume", &volume),
+        export("page", &page),
+        export("page", &pages)
     );
     let scene = ["torus", "--effect", "lit", "--size", "96x64"];
     play(&display, folder.path(), &[&scene[..], &["--window", "1200x900"]].concat(), &script);
@@ -51,6 +55,16 @@ fn menus_do_what_keys_do_and_a_scene_leaves_as_mesh_and_volume() {
     assert_good(&program().args(mesh_command).output().unwrap());
     assert_eq!(std::fs::read(&mesh).unwrap(), std::fs::read(&direct).unwrap(), "the mesh of the command");
     assert!(std::fs::read(&volume).unwrap().starts_with(b"\x93NUMPY"));
+    let web_command = ["web", "torus", "--effect", "lit", "--size", "96x64", "--output", "direct"];
+    assert_good(&program().args(web_command).current_dir(folder.path()).output().unwrap());
+    let files = std::fs::read_dir(folder.path().join("direct")).unwrap().map(|file| file.unwrap().path());
+    for file in files.filter(|file| file.extension().is_some_and(|end| end == "wgsl" || end == "json")) {
+        let own = std::fs::read_to_string(pages.join(file.file_name().unwrap())).unwrap();
+        let direct = std::fs::read_to_string(&file).unwrap();
+        assert!(own == direct.replace("-o direct", "-o pages"), "{}", file.display());
+    }
+    let text = std::fs::read_to_string(&page).unwrap();
+    assert!(text.contains("hypertexture web torus") && text.contains("--single-file -o a.html"));
 }
 
 #[test]

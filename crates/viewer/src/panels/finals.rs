@@ -104,23 +104,28 @@ impl Finals {
     pub(super) fn progress(&self) -> Option<String> {
         let running = self.running.as_ref()?;
         let (kind, seconds) = (format!("{:?}", running.order.kind).to_lowercase(), running.seconds());
+        let stage = running.at.as_ref().filter(|(_, part)| *part < 1.0);
+        let stage = stage.map_or(String::new(), |(what, part)| format!("{what} {:.0} %, ", (100.0 * part).floor()));
         Some(match running.frames() {
-            Some((done, all)) if done < all => format!("{kind}: {done} of {all} frames, {seconds} s"),
-            _ => format!("{kind}: {seconds} s"),
+            Some((done, all)) if done < all => format!("{kind}: {done} of {all} frames, {stage}{seconds} s"),
+            Some(_) => format!("{kind}: encoding, {seconds} s"),
+            _ => format!("{kind}: {stage}{seconds} s"),
         })
     }
 
     /// Whether a file for another program is written in place of pictures.
     fn is_export(&self) -> bool {
-        matches!(self.kind, Kind::Mesh | Kind::Volume)
+        matches!(self.kind, Kind::Mesh | Kind::Volume | Kind::Page)
     }
 
     /// The order as described in the dialog.
     fn order(&self, model: &Model, status: &Status) -> Order {
         let mut scene = model.scene().clone();
-        scene.image.size = self.size.unwrap_or(scene.image.size);
-        scene.quality.samples = self.samples.unwrap_or(scene.quality.samples);
-        scene.quality.supersampling = self.supersampling;
+        if !self.is_export() {
+            scene.image.size = self.size.unwrap_or(scene.image.size);
+            scene.quality.samples = self.samples.unwrap_or(scene.quality.samples);
+            scene.quality.supersampling = self.supersampling;
+        }
         if matches!(self.kind, Kind::Sequence | Kind::Video) && !scene.animation.is_empty() {
             scene.camera.time = status.playback.range[0];
         }
@@ -135,7 +140,7 @@ impl Finals {
 
     /// Shows the dialog if it is open, and polls the running order.
     pub(super) fn show(&mut self, ui: &Ui, model: &Model, status: &Status) {
-        if let Some(running) = &self.running {
+        if let Some(running) = &mut self.running {
             match running.poll() {
                 None => ui.ctx().request_repaint_after(LOOK),
                 Some(done) => {
@@ -156,8 +161,10 @@ impl Finals {
         fit(ui);
         self.kinds(ui);
         if self.is_export() {
-            let grid = field("final.grid", "Samples along the longest side of the mesh or the volume.");
-            number(ui, &mut None, &grid, &mut self.grid, 8..=512);
+            if self.kind != Kind::Page {
+                let grid = field("final.grid", "Samples along the longest side of the mesh or the volume.");
+                number(ui, &mut None, &grid, &mut self.grid, 8..=512);
+            }
             ui.separator();
             return self.buttons(ui, self.order(model, status));
         }
@@ -195,6 +202,7 @@ impl Finals {
                 (Kind::Video, "Video", "final.video", "final.mp4"),
                 (Kind::Mesh, "Mesh", "final.mesh", "final.ply"),
                 (Kind::Volume, "Volume", "final.volume", "final.vdb"),
+                (Kind::Page, "Web page", "final.page", "final.html"),
             ] {
                 let is_there = kind != Kind::Video || *FFMPEG;
                 let chosen = ui.add_enabled(is_there, egui::Button::selectable(self.kind == kind, text));
@@ -209,7 +217,7 @@ impl Finals {
         });
         let response = ui.add(TextEdit::singleline(&mut self.path).desired_width(f32::INFINITY));
         let doc = "Path: .png or .exr, #### is the number of a frame; a sequence may be a .webp, .gif or .apng. A mesh is a .stl, \
-                   .ply, .obj or .glb, a volume a .vdb, .nrrd or .npy.";
+                   .ply, .obj or .glb, a volume a .vdb, .nrrd or .npy. A page is a .html, or a folder.";
         named(ui, &response, "final.file").on_hover_text(doc);
     }
 
@@ -265,7 +273,10 @@ impl Finals {
         let replaces = self.replaces(&first);
         if let Some(progress) = self.progress() {
             ui.horizontal(|ui| {
-                ui.spinner();
+                match self.running.as_ref().and_then(|running| running.at.as_ref()) {
+                    Some((_, part)) => drop(ui.add(egui::ProgressBar::new(*part).desired_width(60.0))),
+                    None => drop(ui.spinner()),
+                }
                 ui.label(progress);
                 if button(ui, "Stop", "final.stop", "Stop; finished frames stay.").clicked() {
                     self.stop();

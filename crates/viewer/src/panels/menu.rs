@@ -78,7 +78,7 @@ pub(super) fn show(ui: &mut Ui, recent: &[PathBuf], requests: &mut Vec<Request>)
                         }
                     }
                     "Edit" => add(ui, "copy the command that renders this picture", Item::CopyCommand),
-                    "Render" => add(ui, "final picture, sequence, video, mesh or volume", Item::Final),
+                    "Render" => add(ui, "final picture, sequence, video, mesh, volume or page", Item::Final),
                     _ => {}
                 }
             });
