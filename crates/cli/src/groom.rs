@@ -90,8 +90,9 @@ pub(super) fn run(command: &GroomArguments, quiet: bool) -> Result<(), Box<dyn E
         let painted = (0..groom.voxels()).filter(|index| groom.at(*index) != Groom::NEUTRAL).count();
         let (side, all) = (groom.side(), groom.voxels());
         say(&format!(
-            "groom {side} x {side} x {side} voxels, {} % of them painted\nwrote {}\n",
+            "groom {side} x {side} x {side} voxels, {} % of them painted\n{}wrote {}\n",
             100 * painted / all,
+            groom.beyond().map_or(String::new(), |line| format!("note       {line}\n")),
             absolute(path)
         ));
     }

@@ -92,6 +92,17 @@ impl Groom {
         }
     }
 
+    /// A line about lengths above 1, if it has any.
+    pub fn beyond(&self) -> Option<String> {
+        let longest = self.voxels.iter().map(|voxel| voxel[0].to_f32()).fold(1.0, f32::max);
+        (longest > 1.0).then(|| {
+            format!(
+                "lengths reach {longest}, and hair ends with the soft region, at 1; for longer hair, multiply the length of the \
+                 effect by {longest} and divide those of the groom by it"
+            )
+        })
+    }
+
     /// Texels of four halves for a device, of these channels.
     pub fn texels(&self, channels: [usize; 4]) -> Vec<u8> {
         let values = self.voxels.iter().flat_map(|voxel| channels.map(|channel| voxel[channel]));
