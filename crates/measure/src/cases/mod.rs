@@ -38,3 +38,4 @@ pub use rays::{Ray, rays};
 pub use report::{chart_page, table};
 pub use run::{Case, Measure, Suite, run};
 pub use scenes::{box_subject, homogeneous};
+pub use shaping::{bias, gain};

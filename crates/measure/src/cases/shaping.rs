@@ -8,8 +8,8 @@ const HELD: f64 = 1.0 / 1024.0;
 /// Rounding of a power by two logarithms in f32.
 const NEAR: f64 = 4e-6;
 
-/// Bias of PH 2.3.
-fn bias(b: f64, t: f64) -> f64 {
+/// Bias in f64: `b` is the value at 1/2 (PH 2.3, MJ Eq. 5).
+pub fn bias(b: f64, t: f64) -> f64 {
     match t {
         ..=0.0 => 0.0,
         1.0.. => 1.0,
@@ -17,7 +17,8 @@ fn bias(b: f64, t: f64) -> f64 {
     }
 }
 
-fn gain(g: f64, t: f64) -> f64 {
+/// Gain in f64 (PH 2.3, MJ Eq. 6).
+pub fn gain(g: f64, t: f64) -> f64 {
     if t < 0.5 { 0.5 * bias(1.0 - g, 2.0 * t) } else { 1.0 - 0.5 * bias(1.0 - g, 2.0 - 2.0 * t) }
 }
 
@@ -90,4 +91,18 @@ pub(super) fn beyond(lab: &Lab<'_>, rows: &mut Rows) -> Result<(), CaseError> {
         rows.worst("bias and gain", format!("t in [{from}, {to}]"), known);
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shaping_curves_have_the_values_of_the_paper() {
+        for amount in [0.1, 0.5, 0.8] {
+            assert!((bias(amount, 0.5) - amount).abs() < 1e-12);
+            assert!((gain(amount, 0.25) - 0.5 * (1.0 - amount)).abs() < 1e-12);
+            assert_eq!((gain(amount, 0.5), bias(amount, 0.0), gain(amount, 1.0)), (0.5, 0.0, 1.0));
+        }
+    }
 }

@@ -13,6 +13,7 @@ use egui::{Color32, Label, Rect, RichText, Slider, SliderClamping, Stroke, Textu
 use hypertexture::noise::{Lattice, Period};
 use hypertexture::render::variant::Variant as Program;
 use hypertexture::scene::{ParameterValue, Pass};
+use measure::cases::{bias, gain};
 
 /// Pages with their names and descriptions.
 const PAGES: [(Page, &str, &str, &str); 3] = [
@@ -278,34 +279,7 @@ fn shaping(ui: &mut Ui, model: &mut Model, module: &str, curve: fn(f64, f64) -> 
     }
 }
 
-/// Bias: `b` is the value at 1/2 (PH 2.3, MJ Eq. 5).
-fn bias(b: f64, t: f64) -> f64 {
-    t.powf(b.ln() / 0.5f64.ln())
-}
-
-/// Gain (PH 2.3, MJ Eq. 6).
-fn gain(g: f64, t: f64) -> f64 {
-    match t < 0.5 {
-        true => 0.5 * bias(1.0 - g, 2.0 * t),
-        false => 1.0 - 0.5 * bias(1.0 - g, 2.0 - 2.0 * t),
-    }
-}
-
 /// The color of an octave.
 fn shade(octave: u32) -> Color32 {
     egui::ecolor::Hsva::new(0.62 - 0.085 * octave as f32, 0.7, 0.85, 1.0).into()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn shaping_curves_have_the_values_of_the_paper() {
-        for amount in [0.1, 0.5, 0.8] {
-            assert!((bias(amount, 0.5) - amount).abs() < 1e-12);
-            assert!((gain(amount, 0.25) - 0.5 * (1.0 - amount)).abs() < 1e-12);
-            assert_eq!((gain(amount, 0.5), bias(amount, 0.0), gain(amount, 1.0)), (0.5, 0.0, 1.0));
-        }
-    }
 }
