@@ -10,8 +10,8 @@ use hypertexture::shader::Library;
 use hypertexture::shape::{Shape, Volume};
 use std::sync::{Arc, OnceLock};
 
-/// Most samples along an axis of a coarse scan. Higher: a preview takes more than 200 ms on a CPU.
-const SIDE: u32 = 64;
+/// Most samples along an axis of a coarse scan. Higher: a preview takes more than about 200 ms on two CPU cores.
+const SIDE: u32 = 48;
 
 /// The coarse shape of the last scan, once it is read.
 #[derive(Clone, Default)]
@@ -94,10 +94,10 @@ mod tests {
         let all = (0..nz).flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z])));
         volume.values = all.map(|index| slope(volume.position(index))).collect();
         let coarse = means(&volume);
-        assert_eq!((coarse.size, coarse.values.len()), ([50, 64, 32], 50 * 64 * 32));
-        for index in [[0, 0, 0], [49, 63, 31], [7, 20, 9]] {
+        assert_eq!((coarse.size, coarse.values.len()), ([37, 32, 32], 37 * 32 * 32));
+        for index in [[0, 0, 0], [36, 31, 31], [7, 20, 9]] {
             let [x, y, z] = index.map(|n| n as usize);
-            let found = coarse.values[(z * 64 + y) * 50 + x];
+            let found = coarse.values[(z * 32 + y) * 37 + x];
             assert!((found - slope(coarse.position(index))).abs() < 1e-3, "{index:?}: {found}");
         }
     }

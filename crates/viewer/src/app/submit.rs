@@ -13,7 +13,7 @@ pub(super) const GOOD: f64 = 1e-3;
 /// A scene rests if it has not changed for this long.
 const REST: Duration = Duration::from_millis(200);
 /// Resolution of the field while an iso-value is dragged. Higher: slow on a CPU.
-const COARSE: u32 = 56;
+const COARSE: u32 = 48;
 /// Interval between frames of a moving scene.
 const FRAME: Duration = Duration::from_millis(16);
 
