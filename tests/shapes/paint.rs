@@ -273,7 +273,8 @@ fn a_gltf_has_the_texture_of_its_material() {
     // A quarter turn, half the size: the example of the extension, which shows the lower left quarter.
     let found = painted(&|document| {
         let texture = &mut document.pointer_mut(base).unwrap()["baseColorTexture"];
-        let transform = json!({ "offset": [0, 1], "rotation": 1.57079632679, "scale": [0.5, 0.25], "texCoord": 3 });
+        let transform =
+            json!({ "offset": [0, 1], "rotation": std::f64::consts::FRAC_PI_2, "scale": [0.5, 0.25], "texCoord": 3 });
         *texture = json!({ "index": 0, "texCoord": 7, "extensions": { "KHR_texture_transform": transform } });
         document["textures"][0]["sampler"] = Value::Null;
     });

@@ -18,7 +18,7 @@ pub(super) const WAYS: [(&str, &str); 4] = [
     ("channels", "Four octaves in the channels of each lookup (MJ 4.1)."),
     ("encoded", "The whole sum precomputed: one lookup (MJ 4.1)."),
 ];
-/// Longer side of the pictures, pixels. Higher: references take longer.
+/// Longest side of the pictures, pixels. Higher: references take longer.
 const SIDE: u32 = 64;
 /// Tolerance of a reference. Lower: slower; errors below it mean nothing.
 const TOLERANCE: f64 = 2e-3;
@@ -115,7 +115,7 @@ fn is_of(row: &Row, way: &str, scene: &Scene) -> bool {
 /// tries other passes.
 fn reduced(scene: &Scene) -> Scene {
     let mut small = scene.clone();
-    let longer = scene.image.size.into_iter().max().unwrap_or(1).max(1);
+    let longer = scene.image.size.into_iter().max().unwrap_or(SIDE).max(SIDE);
     small.image.size = scene.image.size.map(|side| (side * SIDE / longer).max(1));
     small.quality.supersampling = 1;
     small.quality.integration = Default::default();

@@ -105,7 +105,10 @@ impl Finals {
         let running = self.running.as_ref()?;
         let (kind, seconds) = (format!("{:?}", running.order.kind).to_lowercase(), running.seconds());
         let stage = running.at.as_ref().filter(|(_, part)| *part < 1.0);
-        let stage = stage.map_or(String::new(), |(what, part)| format!("{what} {:.0} %, ", (100.0 * part).floor()));
+        let stage = stage.map_or(String::new(), |(what, part)| {
+            let what = if *what == kind { String::new() } else { format!("{what} ") };
+            format!("{what}{:.0} %, ", (100.0 * part).floor())
+        });
         Some(match running.frames() {
             Some((done, all)) if done < all => format!("{kind}: {done} of {all} frames, {stage}{seconds} s"),
             Some(_) => format!("{kind}: encoding, {seconds} s"),
