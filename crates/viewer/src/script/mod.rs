@@ -17,7 +17,7 @@
 //! orbit MOVES SECONDS              drags in circles, and prints the latency of the window
 //! wait idle                        until no task is running
 //! click NAME                       clicks the last control of that name
-//! where NAME                       prints the rectangle of a control whose name starts so: left, top, right, bottom
+//! where NAME                       prints the rectangle of a control, by its name or the beginning of it
 //! set NAME NUMBER                  sets a slider
 //! write NAME TEXT                  replaces the text of a field, `\n` for a new line
 //! wait good | bad                  until the text of the editor has passed, or was refused

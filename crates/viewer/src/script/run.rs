@@ -116,9 +116,10 @@ impl Script {
             }
             Step::Click(name) => Some(request(find(tree, name, Action::Click).map_err(fail)?, Action::Click, None)),
             Step::Where(name) => {
-                let begins =
-                    |own: &Widget| own.node.label().or(own.node.value()).is_some_and(|own| own.starts_with(name));
-                let place = tree.iter().rfind(|own| begins(own)).and_then(|own| own.node.bounds());
+                let text = |own: &Widget| own.node.label().or(own.node.value()).unwrap_or_default().to_string();
+                let is_own = tree.iter().rfind(|own| text(own) == *name);
+                let own = is_own.or_else(|| tree.iter().rfind(|own| text(own).starts_with(name)));
+                let place = own.and_then(|own| own.node.bounds());
                 let place = place.ok_or_else(|| fail(format!("no control begins with `{name}`")))?;
                 let _ = writeln!(io::stdout(), "{name}: {} {} {} {}", place.x0, place.y0, place.x1, place.y1);
                 None
