@@ -38,7 +38,6 @@ pub use animation::{Animation, Ease, Key, Track, is_movable};
 pub use axis::Axis;
 pub use camera::{Camera, Projection};
 pub use color::{Color, linear_to_srgb, srgb_to_linear};
-#[cfg(feature = "window")]
 pub use command::{option_text, value_text};
 pub use document::{Boolean, Material, ParameterValue, Picture, Scene};
 pub use effect::{Effect, RayPath};

@@ -106,6 +106,7 @@ pub(super) fn web(command: &Web, options: &Options, quiet: bool) -> Result<(), B
 }
 
 /// Writes the page of a scene that the window shows.
+#[cfg(feature = "viewer")]
 pub(super) fn web_of(
     command: &Web,
     (mut scene, library): (Scene, Library),

@@ -20,6 +20,7 @@ type Listener = Box<dyn Fn(&'static str, f32) + Send + Sync>;
 static LISTENER: OnceLock<Listener> = OnceLock::new();
 
 /// Sends the progress of this process, which is a job, to `listener`.
+#[cfg(feature = "viewer")]
 pub(super) fn listen(listener: Listener) {
     let _ = LISTENER.set(listener); // a process is one job
 }
