@@ -10,8 +10,8 @@ use hypertexture::shader::Library;
 use hypertexture::shape::{Shape, Volume};
 use std::sync::{Arc, OnceLock};
 
-/// Most samples along an axis of a coarse scan. Higher: a preview takes more than about 200 ms on two CPU cores.
-const SIDE: u32 = 48;
+/// Most samples along an axis of a coarse scan, and of its field. Higher: a preview takes more than about 200 ms on two CPU cores.
+pub(super) const SIDE: u32 = 48;
 
 /// The coarse shape of the last scan, once it is read.
 #[derive(Clone, Default)]

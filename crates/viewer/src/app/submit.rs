@@ -1,6 +1,7 @@
 //! Jobs for the render thread.
 
 use super::state::App;
+use crate::coarse::SIDE;
 use crate::worker::{Job, Variant, sight};
 use egui::Ui;
 use hypertexture::scene::Scene;
@@ -12,8 +13,6 @@ use std::time::{Duration, Instant};
 pub(super) const GOOD: f64 = 1e-3;
 /// A scene rests if it has not changed for this long.
 const REST: Duration = Duration::from_millis(200);
-/// Resolution of the field while an iso-value is dragged. Higher: slow on a CPU.
-const COARSE: u32 = 48;
 /// Interval between frames of a moving scene.
 const FRAME: Duration = Duration::from_millis(16);
 
@@ -53,7 +52,7 @@ impl App {
         for (mut scene, library) in scenes {
             scene.image.size = size;
             if self.loader.is_coarse {
-                scene.object.resolution = scene.object.resolution.min(COARSE);
+                scene.object.resolution = scene.object.resolution.min(SIDE);
             }
             // The object does not depend on the camera.
             let before =
@@ -275,7 +274,7 @@ mod tests {
                 std::thread::sleep(Duration::from_millis(5));
             }
         };
-        assert_eq!([true, false].map(&mut side), [COARSE, 72]);
+        assert_eq!([true, false].map(&mut side), [SIDE, 72]);
     }
 
     #[test]
