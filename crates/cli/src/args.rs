@@ -18,6 +18,7 @@ use super::verify::Verify;
 use super::view::ViewArguments;
 use super::volume::Volume;
 use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
 
 /// Texture and hypertexture volumetric objects: fur, fire, melting and more around a mesh, a scan or a formula.
 #[derive(Parser)]
@@ -82,7 +83,7 @@ pub enum Command {
     /// Write completions for a shell to standard output.
     #[command(hide = true)]
     Completions(Completions),
-    /// Write a manual page, for `man`, to standard output.
+    /// Write a manual page, for `man`, to standard output, or all of them into a folder.
     #[command(hide = true)]
     Man(Man),
     /// Answer the requests of the parent on standard input: a child process of this program.
@@ -110,4 +111,7 @@ pub struct Completions {
 pub struct Man {
     /// Command of the page, such as render [default: the program].
     pub command: Option<String>,
+    /// Write the pages of the program and of all commands into a folder.
+    #[arg(long, value_name = "FOLDER", conflicts_with = "command")]
+    pub all: Option<PathBuf>,
 }

@@ -95,7 +95,7 @@ const BRIEF: [(&str, &[&str], [&str; 2]); 22] = [
     ("verify", &["pixels", "seed", "bound", "json", "outside"], ["verify", "verify fur.png --bound 1e-2"]),
     ("doctor", &["json"], ["doctor", "doctor --device llvmpipe"]),
     ("completions", &[], ["completions bash", "completions fish > hypertexture.fish"]),
-    ("man", &[], ["man | man -l -", "man render > hypertexture-render.1"]),
+    ("man", &["all"], ["man render | man -l -", "man --all man1"]),
 ];
 /// Help of the program, with fewer blank lines than clap's.
 const TEMPLATE: &str = "{about}\n{usage-heading} {usage}\n{subcommands}\nOptions:\n{options}{after-help}";

@@ -171,10 +171,7 @@ pub(crate) fn carry_out(command: Command, options: &Options, quiet: bool) -> Res
             say(&manual::completions(command.shell));
             Ok(())
         }
-        Command::Man(command) => {
-            say(&manual::page(command.command.as_deref())?);
-            Ok(())
-        }
+        Command::Man(command) => manual::run(&command, quiet),
         Command::Job => {
             let (job, parent) = Parent::accept()?;
             match &*job {

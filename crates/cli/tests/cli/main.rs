@@ -24,6 +24,8 @@ mod paper;
 mod pictures;
 mod readers;
 mod refusals;
+#[cfg(unix)]
+mod release;
 mod sequences;
 mod shards;
 mod strangers;

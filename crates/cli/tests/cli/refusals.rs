@@ -11,6 +11,8 @@ fn arguments_that_make_no_sense_are_refused_in_one_line() {
             ("", &["error:", "command", "hypertexture --help"]),
             ("completions tcsh", &["'tcsh'", "zsh", "hypertexture --help"]),
             ("man rendr", &["no command `rendr`", "did you mean `render`?", "render, "]),
+            ("man --all out.png", &["out.png: it is a file", "name a folder"]),
+            ("man render --all man1", &["'--all <FOLDER>'", "cannot be used with"]),
             ("frobnicate", &["unrecognized subcommand 'frobnicate'", "hypertexture --help"]),
             ("render", &["not provided: <INPUT>; see"]),
             ("render torus --jitter blue", &["'blue'", "--jitter=blue"]),
