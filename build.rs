@@ -2,7 +2,7 @@
 
 use flate2::Compression;
 use flate2::write::DeflateEncoder;
-use glsl::{Library, Linker, Slots, Stage};
+use glsl::{Library, LinkError, Linker, Slots, Stage};
 use std::error::Error;
 use std::fmt::Write as _;
 use std::io::Write;
@@ -18,6 +18,8 @@ const NAMED: [(&str, [[&str; 2]; 1]); 5] = [
     ("opacity_table", [["march.vert", "opacity_table.frag"]]),
     ("density_table", [["march.vert", "density_table.frag"]]),
 ];
+/// The programs of windows, in `src/gpu`.
+const WINDOW: [&str; 3] = ["window.vert", "window.frag", "encode.comp"];
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo::rerun-if-changed=glsl");
@@ -32,7 +34,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     sources.push_str("];\n");
     fs::write(out.join("library.rs"), sources)?;
 
-    let linker = Linker::new()?;
+    let linker = match Linker::new() {
+        Err(LinkError::NoCompiler) if env::var_os("DOCS_RS").is_some() => return without_programs(&out, &library),
+        linker => linker?,
+    };
     let mut programs: Vec<(String, String)> = Vec::new();
     let mut defaults = String::new();
     for (number, line) in fs::read_to_string(root.join("variants"))?.lines().enumerate() {
@@ -75,13 +80,26 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// Writes empty programs: docs.rs has no GLSL compiler, and documents the library without running it.
+fn without_programs(out: &Path, library: &Library) -> Result<(), Box<dyn Error>> {
+    fs::write(out.join("programs.rs"), "static SHIPPED_PROGRAMS: &[(&str, &[u8], &[u8])] = &[];\n")?;
+    let blocks = library.modules("weights").into_iter().map(block);
+    blocks.chain(WINDOW.map(String::from)).try_for_each(|file| fs::write(out.join(file), []))?;
+    Ok(())
+}
+
+/// File of the program that makes noise blocks with a module of weights.
+fn block(weights: &str) -> String {
+    format!("block_{weights}.comp")
+}
+
 /// Compiles the program that makes noise blocks, for each module of weights.
 fn blocks(out: &Path, library: &Library, linker: &Linker) -> Result<(), Box<dyn Error>> {
     for weights in library.modules("weights") {
         let modules = [("weights", weights), ("wrap", "repeat"), ("bandlimit", "none")];
         let slots: Slots = modules.map(|(slot, name)| (slot.to_string(), vec![name.to_string()])).into();
         let spirv = linker.link(library, "block.comp", Stage::Compute, &["block.comp"], &slots)?;
-        fs::write(out.join(format!("block_{weights}.comp")), bytes(&spirv))?;
+        fs::write(out.join(block(weights)), bytes(&spirv))?;
     }
     Ok(())
 }
@@ -93,12 +111,11 @@ fn bytes(spirv: &[u32]) -> Vec<u8> {
 
 /// Compiles the window's programs, which are not part of the library.
 fn window(out: &Path) -> Result<(), Box<dyn Error>> {
-    const FILES: [&str; 3] = ["window.vert", "window.frag", "encode.comp"];
-    FILES.iter().for_each(|name| println!("cargo::rerun-if-changed=src/gpu/{name}"));
+    WINDOW.iter().for_each(|name| println!("cargo::rerun-if-changed=src/gpu/{name}"));
     let folder = PathBuf::from(env::var("CARGO_MANIFEST_DIR")?).join("src/gpu");
     let text = |name: &str| Ok::<_, std::io::Error>((name.to_string(), fs::read_to_string(folder.join(name))?));
-    let library = Library::new(FILES.map(text).into_iter().collect::<Result<Vec<_>, _>>()?);
-    for name in FILES {
+    let library = Library::new(WINDOW.map(text).into_iter().collect::<Result<Vec<_>, _>>()?);
+    for name in WINDOW {
         let spirv = Linker::new()?.link(&library, name, Stage::of(name), &[name], &Slots::new())?;
         fs::write(out.join(name), bytes(&spirv))?;
     }

@@ -105,3 +105,31 @@ fn shaderc_is_built_once() {
     };
     assert_eq!(graph["units"].as_array().unwrap().iter().filter(is_build).count(), 1);
 }
+
+/// docs.rs has no shaderc; it builds the library by `package.metadata.docs.rs`.
+#[test]
+fn the_pages_of_docs_rs_need_no_shaderc() {
+    let manifest: toml::Table = include_str!("../../Cargo.toml").parse().unwrap();
+    let asked = &manifest["package"]["metadata"]["docs"]["rs"];
+    assert_eq!(asked["no-default-features"].as_bool(), Some(true));
+    let words =
+        |name: &str| asked[name].as_array().unwrap().iter().map(|word| word.as_str().unwrap()).collect::<Vec<_>>();
+    let packages = |flags: &str| {
+        let mut cargo = Command::new(env!("CARGO"));
+        cargo.args([
+            "tree",
+            "--package",
+            "hypertexture",
+            "--no-default-features",
+            "--features",
+            &words("features").join(","),
+        ]);
+        cargo.args(["--edges", "normal,build", "--prefix", "none", "--offline", "--locked"]).env("RUSTFLAGS", flags);
+        let output = cargo.current_dir(env!("CARGO_MANIFEST_DIR")).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    assert!(packages("").contains("shaderc-sys v"));
+    let there = packages(&words("rustc-args").join(" "));
+    assert!(there.contains("hypertexture-glsl v") && !there.contains("shaderc"), "{there}");
+}
