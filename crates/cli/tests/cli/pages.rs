@@ -1,5 +1,5 @@
-//! Every line of the code blocks of the README and the guide, typed in a fresh home in its order: it succeeds, and the files
-//! that it names are there.
+//! Every line of the code blocks of the README, guide.md and cluster.md, typed in a fresh home in its order: it succeeds, and
+//! the files that it names are there.
 
 use super::desk::text;
 use super::dicom::{LITTLE, series};
@@ -100,9 +100,15 @@ fn every_line_of_the_readme_and_the_guide_runs_in_a_fresh_home() {
     symlink(slices.folder(), work.join("slices")).unwrap();
     fs::write(work.join("scan.raw"), vec![0; 256 * 256 * 128 * 2]).unwrap();
 
-    let [mut all, guide] = [include_str!("../../../../README.md"), include_str!("../../../../docs/guide.md")]
-        .map(|page| lines(page, &work));
-    assert!(all.len() >= 15 && guide.len() >= 60, "only {} and {} lines were found", all.len(), guide.len());
+    let [mut all, mut guide, cluster] = [
+        include_str!("../../../../README.md"),
+        include_str!("../../../../docs/guide.md"),
+        include_str!("../../../../docs/cluster.md"),
+    ]
+    .map(|page| lines(page, &work));
+    let counts = [&all, &guide, &cluster].map(Vec::len);
+    assert!(counts.into_iter().zip([15, 55, 4]).all(|(count, least)| count >= least), "only {counts:?} lines");
+    guide.extend(cluster);
     // Many lines of the README stand in the guide again.
     let command = |line: &str| line.split(" #").next().map(|command| command.trim_end().to_string());
     let typed: Vec<_> = all.iter().map(|line| command(line)).collect();

@@ -158,9 +158,9 @@ fn the_identity_of_a_scene_is_its_content_and_not_its_path() {
     assert!(own == same && texts != other && own != texts);
 }
 
-/// Arguments of `render` in the guide after these words, and the first `merge` after it.
+/// Arguments of `render` in `docs/cluster.md` after these words, and the first `merge` after it.
 fn commands(words: &str) -> [Vec<String>; 2] {
-    let rest = include_str!("../../../../docs/guide.md").split_once(words).unwrap().1;
+    let rest = include_str!("../../../../docs/cluster.md").split_once(words).unwrap().1;
     ["render", "merge"].map(|name| {
         let start = rest.find(name).unwrap();
         let line = rest[start..].lines().next().unwrap();
@@ -171,7 +171,7 @@ fn commands(words: &str) -> [Vec<String>; 2] {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn p53_the_scripts_of_the_guide_give_the_file_of_one_process() {
+fn p53_cluster_scripts_give_the_file_of_one_process() {
     for (words, index) in [("#SBATCH", "SLURM_ARRAY_TASK_ID"), ("args: [", "JOB_COMPLETION_INDEX")] {
         let folder = tempfile::tempdir().unwrap();
         let run = |arguments: &[String], variables: &[(&str, &str)]| {
