@@ -5,4 +5,6 @@ mod names;
 mod papers;
 mod readme;
 #[cfg(unix)]
+mod releases;
+#[cfg(unix)]
 mod setup;

@@ -21,10 +21,13 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     entries.flat_map(|path| if path.is_dir() { files(&path) } else { vec![path] }).collect()
 }
 
-/// The README, and the texts of the folders.
+/// Pages and scripts outside of [`FOLDERS`]. The changelog names what is gone.
+const OTHERS: [&str; 5] = ["README.md", "CONTRIBUTING.md", "SECURITY.md", ".ci/run", "release/build"];
+
+/// The texts of the folders, and [`OTHERS`].
 fn texts() -> Vec<(PathBuf, String)> {
     let all = FOLDERS.iter().flat_map(|folder| files(&root().join(folder)));
-    let all = all.filter(|path| ends(path, &TEXTS)).chain([root().join("README.md"), root().join(".ci/run")]);
+    let all = all.filter(|path| ends(path, &TEXTS)).chain(OTHERS.map(|name| root().join(name)));
     all.map(|path| (path.clone(), std::fs::read_to_string(path).expect("text"))).collect()
 }
 

@@ -42,7 +42,9 @@ fn the_readme_is_short() {
 #[test]
 fn every_link_between_pages_leads_somewhere() {
     let mut count = 0;
-    for path in pages() {
+    let others =
+        ["CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md"].map(|name| Path::new(env!("CARGO_MANIFEST_DIR")).join(name));
+    for path in pages().into_iter().chain(others) {
         let page = std::fs::read_to_string(&path).unwrap();
         let text: String = page.split("```").step_by(2).collect();
         for link in text.split("](").skip(1).map(|rest| rest.split_once(')').unwrap().0) {
