@@ -116,18 +116,17 @@ macro_rules! inlined {
 }
 pub(crate) use inlined;
 
+// One loop for all operands: a loop for each combination of rows and uniforms is no faster, and takes minutes to compile.
+
 #[inline(always)]
 pub fn map1<A: Packed, D: Packed>(out: &mut Row<D>, mask: u64, a: Operand<'_, A>, f: impl Fn(A) -> D) {
-    match a {
-        Operand::Lanes(a) => inlined!(groups(out, mask), |group, out| {
-            let (a, mut values) = (a[group], *out);
-            for place in 0..GROUP {
-                f(A::get(&a, place)).put(&mut values, place);
-            }
-            *out = values;
-        }),
-        Operand::Uniform(a) => out.fill(f(a).splat()),
-    }
+    inlined!(groups(out, mask), |group, out| {
+        let (a, mut values) = (a.group(group), *out);
+        for place in 0..GROUP {
+            f(A::get(&a, place)).put(&mut values, place);
+        }
+        *out = values;
+    });
 }
 
 #[inline(always)]
@@ -137,17 +136,13 @@ pub fn map2<A: Packed, B: Packed, D: Packed>(
     (a, b): (Operand<'_, A>, Operand<'_, B>),
     f: impl Fn(A, B) -> D,
 ) {
-    match (a, b) {
-        (Operand::Lanes(a), Operand::Lanes(b)) => inlined!(groups(out, mask), |group, out| {
-            let (a, b, mut values) = (a[group], b[group], *out);
-            for place in 0..GROUP {
-                f(A::get(&a, place), B::get(&b, place)).put(&mut values, place);
-            }
-            *out = values;
-        }),
-        (a, Operand::Uniform(b)) => inlined!(map1(out, mask, a), |a| f(a, b)),
-        (Operand::Uniform(a), b) => inlined!(map1(out, mask, b), |b| f(a, b)),
-    }
+    inlined!(groups(out, mask), |group, out| {
+        let (a, b, mut values) = (a.group(group), b.group(group), *out);
+        for place in 0..GROUP {
+            f(A::get(&a, place), B::get(&b, place)).put(&mut values, place);
+        }
+        *out = values;
+    });
 }
 
 #[inline(always)]
@@ -157,18 +152,13 @@ pub fn map3<A: Packed, B: Packed, C: Packed, D: Packed>(
     (a, b, c): (Operand<'_, A>, Operand<'_, B>, Operand<'_, C>),
     f: impl Fn(A, B, C) -> D,
 ) {
-    match (a, b, c) {
-        (Operand::Lanes(a), Operand::Lanes(b), Operand::Lanes(c)) => inlined!(groups(out, mask), |group, out| {
-            let (a, b, c, mut values) = (a[group], b[group], c[group], *out);
-            for place in 0..GROUP {
-                f(A::get(&a, place), B::get(&b, place), C::get(&c, place)).put(&mut values, place);
-            }
-            *out = values;
-        }),
-        (a, b, Operand::Uniform(c)) => inlined!(map2(out, mask, (a, b)), |a, b| f(a, b, c)),
-        (a, Operand::Uniform(b), c) => inlined!(map2(out, mask, (a, c)), |a, c| f(a, b, c)),
-        (Operand::Uniform(a), b, c) => inlined!(map2(out, mask, (b, c)), |b, c| f(a, b, c)),
-    }
+    inlined!(groups(out, mask), |group, out| {
+        let (a, b, c, mut values) = (a.group(group), b.group(group), c.group(group), *out);
+        for place in 0..GROUP {
+            f(A::get(&a, place), B::get(&b, place), C::get(&c, place)).put(&mut values, place);
+        }
+        *out = values;
+    });
 }
 
 /// Selects by a condition that is decided in most lanes, without joins in groups where all lanes are.
