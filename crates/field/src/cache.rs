@@ -176,8 +176,7 @@ fn read<T, const BYTES: usize>(kind: &Kind<T, BYTES>, key: &Key, folder: &Path) 
 fn store<T, const BYTES: usize>(kind: &Kind<T, BYTES>, key: &Key, folder: &Path, input: Unstored<'_>) {
     let path = key.file(kind.extension, folder);
     if let Err(error) = disk_cache::write(&path, encode(kind, key, input), CACHE) {
-        let folder = folder.display();
-        log::warn!("{folder}: cannot cache the field: {error}; set HYPERTEXTURE_CACHE to a folder that can be written");
+        disk_cache::warn(folder, &error);
     }
 }
 

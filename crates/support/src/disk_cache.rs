@@ -10,6 +10,7 @@ use super::open::{self, OpenError};
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::Once;
 use std::time::SystemTime;
 
 const HASH_BYTES: usize = 32;
@@ -38,9 +39,20 @@ pub fn load(kind: Kind, key: blake3::Hash) -> Option<Vec<u8>> {
 
 /// Saves bytes under a key, if possible.
 pub fn save(kind: Kind, key: blake3::Hash, bytes: &[u8]) {
-    if let Some(folder) = default_folder() {
-        let _ = write(&file(&folder, kind, key), bytes.to_vec(), kind);
+    if let Some(folder) = default_folder()
+        && let Err(error) = write(&file(&folder, kind, key), bytes.to_vec(), kind)
+    {
+        warn(&folder, &error);
     }
+}
+
+/// Logs, once in a process, that results are computed again each time.
+pub fn warn(folder: &Path, error: &io::Error) {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        let folder = folder.display();
+        log::warn!("{folder}: nothing can be cached: {error}; set HYPERTEXTURE_CACHE to a folder that can be written");
+    });
 }
 
 fn file(folder: &Path, kind: Kind, key: blake3::Hash) -> PathBuf {
