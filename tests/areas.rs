@@ -1,11 +1,7 @@
 //! Parts of pictures, pictures of other sizes and pictures that are stopped: what a window makes of one renderer, against
 //! whole pictures of new ones. Nothing here depends on how fast the device is.
 
-#![expect(clippy::unwrap_used, reason = "a test fails where there is no picture")]
-
-mod common;
-
-use common::{picture, subject, with_gpu};
+use crate::common::{picture, subject, with_gpu};
 use hypertexture::gpu::Area;
 use hypertexture::render::{RenderError, Renderer, Subject, paste_areas};
 use hypertexture::scene::{Pass, Scene, preset};

@@ -4,9 +4,6 @@
 //! by more than 1/255. On any other, a person may not see a difference: the mean of FLIP is held, and what a driver may
 //! decide otherwise in a scene is stated in [`FREER`]. A golden that is missing, too large or without a scene fails.
 //! `BLESS=<scene>` or `BLESS=all` writes goldens; look at them before committing them.
-#![expect(clippy::unwrap_used, reason = "a test fails where a file is not as described")]
-
-mod common;
 
 use hypertexture::gpu::Gpu;
 use hypertexture::output::{self, Depth, Provenance};
@@ -213,7 +210,7 @@ fn judge(name: &str, actual: &RgbImage, tolerance: Tolerance, bless: bool) -> Re
         fs::create_dir_all(goldens()).unwrap();
         actual.save(&file).unwrap();
     }
-    let advice = format!("approve it with: BLESS={name} cargo test --release --test golden");
+    let advice = format!("approve it with: BLESS={name} cargo test --release --test library golden::");
     let bytes = fs::metadata(&file).map_err(|error| format!("{}: {error}; {advice}", file.display()))?.len();
     if bytes > MAX_BYTES {
         return Err(format!("{}: {bytes} bytes, at most {MAX_BYTES} are allowed", file.display()));
@@ -236,7 +233,7 @@ fn every_scene_looks_like_its_golden() {
     let known = |name: &str| name.is_empty() || name == "all" || scenes.iter().any(|(scene, _)| scene == name);
     assert!(known(&bless), "BLESS={bless}: no such scene");
     let mut failures: Vec<String> = Vec::new();
-    common::with_gpu(|gpu| {
+    crate::common::with_gpu(|gpu| {
         let lavapipe = gpu.info().name.contains("llvmpipe");
         assert!(lavapipe || bless.is_empty(), "goldens are made on lavapipe (VK_DRIVER_FILES chooses it)");
         if bless == "all" {

@@ -1,8 +1,6 @@
 //! Guarantees of slices: the picture does not depend on their order, shape or number, only on what is in the scene.
 
-mod common;
-
-use common::{difference, formula, homogeneous, picture, rays, subject, with_gpu};
+use crate::common::{difference, formula, homogeneous, picture, rays, subject, with_gpu};
 use hypertexture::gpu::{Format, Gpu};
 use hypertexture::render::{Frame, Renderer, Subject, render};
 use hypertexture::scene::{EFFECTS, EmptySpace, FieldEncoding, Jitter, Order, Pass, Projection, Proxy, Scene, preset};

@@ -10,51 +10,77 @@ use hypertexture::render::{Frame, Subject, render};
 use hypertexture::scene::Scene;
 use hypertexture::shader::{self, Library};
 use measure::cases;
+use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// The device of the tests that run now, and how many they are. They share it: the layer of Debian 12 crashes where one
-/// thread opens or closes a device while another one uses its own.
-static SHARED: Mutex<Option<(Gpu, usize)>> = Mutex::new(None);
+/// The devices of the tests that run now, and how many tests use each. Tests share them: the layer of Debian 12 crashes where
+/// one thread opens or closes a device while another one uses its own. Several, since a driver on the processor compiles the
+/// shaders of a device by one thread.
+static SHARED: Mutex<Vec<(Gpu, usize)>> = Mutex::new(Vec::new());
 
-/// A test's part of the shared device.
-struct Part(Option<Gpu>);
+/// A test's part of the shared devices.
+struct Part {
+    gpus: Vec<Gpu>,
+    /// Which of the shared devices these are.
+    places: Range<usize>,
+}
 
 impl Part {
-    fn shared() -> MutexGuard<'static, Option<(Gpu, usize)>> {
+    fn shared() -> MutexGuard<'static, Vec<(Gpu, usize)>> {
         SHARED.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn new() -> Part {
+    /// The device with the fewest tests, or all of them.
+    fn new(wants_all: bool) -> Part {
         let mut shared = Part::shared();
-        let (gpu, tests) = shared.get_or_insert_with(|| {
-            let device = std::env::var("HYPERTEXTURE_DEVICE").ok();
-            let gpu = Gpu::new(&Options { device, validation: true, cache: None });
-            (gpu.unwrap_or_else(|error| panic!("{error}; HYPERTEXTURE_NO_GPU=1 leaves these tests out")), 0)
-        });
-        *tests += 1;
-        Part(Some(gpu.clone()))
+        if shared.is_empty() {
+            let options = Options { device: std::env::var("HYPERTEXTURE_DEVICE").ok(), validation: true, cache: None };
+            let first = Gpu::new(&options);
+            let first = first.unwrap_or_else(|error| panic!("{error}; HYPERTEXTURE_NO_GPU=1 leaves these tests out"));
+            let gpus = cases::devices(first, &options).unwrap_or_else(|error| panic!("{error}"));
+            *shared = gpus.into_iter().map(|gpu| (gpu, 0)).collect();
+        }
+        let idle = (0..shared.len()).min_by_key(|&place| shared[place].1).expect("a device is open");
+        let places = if wants_all { 0..shared.len() } else { idle..idle + 1 };
+        shared[places.clone()].iter_mut().for_each(|(_, tests)| *tests += 1);
+        Part { gpus: shared[places.clone()].iter().map(|(gpu, _)| gpu.clone()).collect(), places }
     }
 }
 
 impl Drop for Part {
     fn drop(&mut self) {
         let mut shared = Part::shared();
-        self.0 = None;
-        *shared = shared.take().map(|(gpu, tests)| (gpu, tests - 1)).filter(|(_, tests)| *tests > 0);
+        self.gpus.clear();
+        shared[self.places.clone()].iter_mut().for_each(|(_, tests)| *tests -= 1);
+        if shared.iter().all(|(_, tests)| *tests == 0) {
+            shared.clear();
+        }
     }
 }
 
 /// Runs a test on a device with validation, and fails on whatever the layer has reported until then: of this test, of those
-/// that run beside it, and of the closing of the device behind the last of them.
+/// that run beside it, and of the closing of the devices behind the last of them.
 pub fn with_gpu<T>(test: impl FnOnce(&Gpu) -> T) -> T {
-    let part = Part::new();
-    let gpu = part.0.as_ref().expect("it is there until the part ends");
-    let messages = gpu.messages();
-    let result = test(gpu);
+    on(Part::new(false), |gpus| test(&gpus[0]))
+}
+
+/// Runs a test on all devices, as [`with_gpu`] does on one.
+pub fn with_gpus<T>(test: impl FnOnce(&[Gpu]) -> T) -> T {
+    on(Part::new(true), test)
+}
+
+fn on<T>(part: Part, test: impl FnOnce(&[Gpu]) -> T) -> T {
+    let messages: Vec<_> = part.gpus.iter().map(Gpu::messages).collect();
+    let result = test(&part.gpus);
     drop(part);
-    let said = messages.take();
+    let said: Vec<String> = messages.iter().flat_map(|messages| messages.take()).collect();
     assert!(said.is_empty(), "{} validation messages:\n{}", said.len(), said.join("\n"));
     result
+}
+
+/// Whether long tests run whole, as they do before a merge, and not in their short form.
+pub fn is_whole() -> bool {
+    std::env::var_os("HYPERTEXTURE_WHOLE").is_some_and(|value| !value.is_empty() && value != "0")
 }
 
 /// The subject of a scene whose object is a formula.

@@ -1,5 +1,4 @@
 //! Contents of the README and of the pages in `docs` are true: scene files, the custom module, the list of effects, links.
-#![expect(clippy::unwrap_used, reason = "a test fails where a page is not as described")]
 
 use hypertexture::render::variant::Variant;
 use hypertexture::scene::{self, ParameterValue, Scene};
@@ -140,7 +139,7 @@ fn the_list_of_effects_is_that_of_the_presets() {
     let written = std::fs::read_to_string(path).unwrap_or_default();
     assert!(
         written == effects(),
-        "docs/effects.md is out of date; `BLESS=effects cargo test --release --test docs` writes it"
+        "docs/effects.md is out of date; `BLESS=effects cargo test --release --test library` writes it"
     );
     for name in scene::names() {
         assert!(README.contains(&format!("`{name}`")), "the README does not name {name}");

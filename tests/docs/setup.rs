@@ -1,5 +1,4 @@
 //! `setup.sh` on machines that lack something: a line that says what, and what to do. And what `cargo` is to build.
-#![expect(clippy::unwrap_used, reason = "a test fails where a script is not as described")]
 
 use std::fs;
 use std::os::unix::fs::{PermissionsExt, symlink};

@@ -1,7 +1,7 @@
 //! How rays go through cells of which some are proven to be empty.
 
-use crate::harness::Check;
-use crate::knots::pcg3d;
+use crate::formulas::harness::Check;
+use crate::formulas::knots::pcg3d;
 use glam::DVec3;
 use hypertexture::eval::Texture;
 use hypertexture::shader::Library;

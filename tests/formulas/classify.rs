@@ -1,10 +1,10 @@
 //! Classification of a point: premultiplied matter.
 
-use crate::density::{bias, gain};
-use crate::groom::{mixed, narrowed, painted};
-use crate::harness::{At, COLOR, Check};
-use crate::surface::transfer;
-use crate::values::{Random, Setting, filtered};
+use crate::formulas::density::{bias, gain};
+use crate::formulas::groom::{mixed, narrowed, painted};
+use crate::formulas::harness::{At, COLOR, Check};
+use crate::formulas::surface::transfer;
+use crate::formulas::values::{Random, Setting, filtered};
 use glam::{DMat3, DVec3};
 use hypertexture::eval::Wrap;
 use hypertexture::shader::Library;

@@ -1,10 +1,10 @@
 //! Functions of the density: softness, shaping, DMFs, masks, opacity.
 
-use crate::dual::{moved, place, scaled};
-use crate::groom::painted;
-use crate::harness::{At, Check, OCTAVES};
-use crate::knots::{noise, octaves, turbulence};
-use crate::values::{Random, Setting, c};
+use crate::formulas::dual::{moved, place, scaled};
+use crate::formulas::groom::painted;
+use crate::formulas::harness::{At, Check, OCTAVES};
+use crate::formulas::knots::{noise, octaves, turbulence};
+use crate::formulas::values::{Random, Setting, c};
 use glam::DVec3;
 use hypertexture::shader::Library;
 use std::cell::Cell;
@@ -159,7 +159,7 @@ fn noisy(at: &At<'_>, density: f64) -> f64 {
 }
 
 /// The place of a pattern that rises.
-fn risen(at: &At<'_>, speed: &str) -> crate::dual::Place {
+fn risen(at: &At<'_>, speed: &str) -> crate::formulas::dual::Place {
     moved(place(at.place(0)), DVec3::NEG_Y * at.number(speed) * at.number("time"))
 }
 

@@ -1,10 +1,10 @@
 //! Functions of modules on a device, at random places with random parameters: all results are finite.
 
 use crate::common::with_gpu;
-use crate::exact_modules::{self, GLASS, each};
-use crate::knots::pcg3d;
+use crate::formulas::exact_modules::{self, GLASS, each};
+use crate::formulas::knots::pcg3d;
+use crate::formulas::values::Setting;
 use crate::probe::Probe;
-use crate::values::Setting;
 use hypertexture::gpu::Gpu;
 use hypertexture::render::variant::{Use, Variant};
 use hypertexture::scene;

@@ -1,7 +1,6 @@
 //! Every shipped module in the exact evaluator: against the device, and in intervals.
-#![expect(clippy::unwrap_used, reason = "a test fails where a module is not as described")]
 
-use crate::common::with_gpu;
+use crate::common::{is_whole, with_gpu};
 use crate::probe::Probe;
 use hypertexture::eval::{Affine, BoundProgram, F32Interval, Interval, Invocations, Number};
 use hypertexture::render::variant::Variant;
@@ -105,8 +104,10 @@ fn no_slot_is_left_out() {
     }
 }
 
-/// Pixels on a side: 10^5 points and more.
-const SIDE: u32 = 320;
+/// Pixels on a side: 10^5 points and more where tests run whole.
+fn side() -> u32 {
+    if is_whole() { 320 } else { 96 }
+}
 
 /// Largest error of f32 beside f64, relative to 1 and the value: 400 roundings. Where a module is steep, four times what
 /// a step of [`NUDGE`] along each axis changes is added to it.
@@ -122,12 +123,13 @@ const STUDIO: f64 = 32.0;
 
 /// The point that a probe on the device has at a pixel.
 fn hashed(pixel: u32) -> [f64; 4] {
-    let [x, y, z] = crate::knots::pcg3d([pixel % SIDE, pixel / SIDE, 7]).map(|c| f64::from(c >> 14) / 65536.0 - 2.0);
+    let [x, y, z] =
+        crate::formulas::knots::pcg3d([pixel % side(), pixel / side(), 7]).map(|c| f64::from(c >> 14) / 65536.0 - 2.0);
     [x, y, z, -2.0]
 }
 
 fn coordinates(pixel: u32) -> [f64; 4] {
-    [f64::from(pixel % SIDE) + 0.5, f64::from(pixel / SIDE) + 0.5, 0.5, 1.0]
+    [f64::from(pixel % side()) + 0.5, f64::from(pixel / side()) + 0.5, 0.5, 1.0]
 }
 
 /// Error bounds of the device at some pixels.
@@ -168,14 +170,14 @@ fn f64_agrees_with_the_device_on_every_module_and_preset() {
                 failed.push(format!("{name}: its probe does not reach it"));
                 return;
             };
-            let seen = probe.draw(gpu, SIDE);
+            let seen = probe.draw(gpu, side());
             let lanes = Invocations {
-                fragment_coordinates: (0..SIDE * SIDE).map(coordinates).collect(),
+                fragment_coordinates: (0..side() * side()).map(coordinates).collect(),
                 varyings: BTreeMap::new(),
             };
             let program = probe.program();
             let found = &program.bind(&probe.inputs).unwrap().run::<f64>(&lanes).unwrap()[&0];
-            let points = (0..SIDE * SIDE).map(|pixel| coordinates(pixel).map(F32Interval::new));
+            let points = (0..side() * side()).map(|pixel| coordinates(pixel).map(F32Interval::new));
             let lanes = Invocations { fragment_coordinates: points.collect(), varyings: BTreeMap::new() };
             let bounds = &program.bind(&probe.inputs).unwrap().run::<F32Interval>(&lanes).unwrap()[&0];
             let holds = |pixel: usize| (0..4).all(|c| bounds[pixel][c].0.contains(f64::from(seen[pixel][c])));
@@ -193,7 +195,7 @@ fn f64_agrees_with_the_device_on_every_module_and_preset() {
                 off.fold(0.0, |worst: f64, off| if off.is_nan() { f64::INFINITY } else { worst.max(off) })
             };
             let (beyond, within): (Vec<u32>, Vec<u32>) =
-                (0..SIDE * SIDE).partition(|pixel| error(*pixel as usize) > BOUND);
+                (0..side() * side()).partition(|pixel| error(*pixel as usize) > BOUND);
             let worst = within.iter().map(|pixel| error(*pixel as usize)).fold(0.0, f64::max);
             let factor = if text == GLASS {
                 STUDIO
@@ -205,7 +207,7 @@ fn f64_agrees_with_the_device_on_every_module_and_preset() {
             let allowed = allowed(&given, &beyond, factor);
             let jumps =
                 beyond.iter().zip(&allowed).filter(|(pixel, allowed)| error(**pixel as usize) > **allowed).count();
-            let percent = |count: usize| 100.0 * count as f64 / f64::from(SIDE * SIDE);
+            let percent = |count: usize| 100.0 * count as f64 / f64::from(side() * side());
             let busy = found.iter().filter(|value| value.iter().any(|x| *x != 0.0)).count();
             println!(
                 "{name:28} {:5.1} % not empty; error up to {worst:.1e}, steep {:.3} %, at jumps {:.3} %",

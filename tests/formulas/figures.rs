@@ -1,11 +1,11 @@
 //! Figures of the papers, measured on the density and the color of the shipped scenes.
 
-use crate::density::mix;
-use crate::dual::{dual, place, scaled};
-use crate::harness::{Check, shipped};
-use crate::knots::{noise, octaves, turbulence};
-use crate::surface::transfer;
-use crate::values::c;
+use crate::formulas::density::mix;
+use crate::formulas::dual::{dual, place, scaled};
+use crate::formulas::harness::{Check, shipped};
+use crate::formulas::knots::{noise, octaves, turbulence};
+use crate::formulas::surface::transfer;
+use crate::formulas::values::c;
 use glam::{DMat4, DVec3};
 use hypertexture::eval::Texture;
 use hypertexture::render::texture::transfer_map;
@@ -122,7 +122,7 @@ fn p29_the_eroded_cube_is_the_product_of_a_fractal_sphere_and_a_cube_colored_by_
         let moved = x.length() * (1.0 + amplitude * octaves(scaled(place(x), frequency), 6, |p, _| noise(p)).v);
         let [inner, outer] = ["iso_value", "outer_iso_value"].map(|iso| (1.0 + at.number(iso)).powi(2));
         let sphere = ((outer - moved.powi(2)) / (outer - inner)).clamp(0.0, 1.0);
-        let in_cube = crate::object::cube(place(x / scale)).v;
+        let in_cube = crate::formulas::object::cube(place(x / scale)).v;
         let [inner, outer] = ["iso_value_cube", "outer_iso_value_cube"].map(|iso| at.number(iso));
         let cube = ((outer - in_cube) / (outer - inner)).clamp(0.0, 1.0);
         let mut error = (found[3] - sphere * cube).abs();

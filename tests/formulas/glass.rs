@@ -1,7 +1,7 @@
 //! Modules that bend and tint light.
 
-use crate::harness::{At, Check};
-use crate::values::{Random, Setting};
+use crate::formulas::harness::{At, Check};
+use crate::formulas::values::{Random, Setting};
 use glam::DVec3;
 use hypertexture::shader::Library;
 

@@ -1,10 +1,10 @@
 //! Grooms: a volume of painted channels, and what modules make of them.
 
-use crate::dual::{Place, dual};
-use crate::harness::{At, Check};
-use crate::light::{lit, phong};
-use crate::surface;
-use crate::values::{c, filtered, image};
+use crate::formulas::dual::{Place, dual};
+use crate::formulas::harness::{At, Check};
+use crate::formulas::light::{lit, phong};
+use crate::formulas::surface;
+use crate::formulas::values::{c, filtered, image};
 use glam::DVec3;
 use hypertexture::eval::Wrap;
 use hypertexture::shader::Library;
@@ -116,7 +116,7 @@ fn colored(library: &Library, module: &str, formula: fn(&At<'_>) -> DVec3) -> f6
 fn melting(library: &Library) -> f64 {
     let slope = DVec3::new(0.5, 0.25, 0.125);
     let even = image([16; 3], |p| DVec3::ZERO.extend(p.dot(slope)).to_array());
-    let check = crate::warp::warped(library, &[("warp", "melting"), ("groom", "volume")])
+    let check = crate::formulas::warp::warped(library, &[("warp", "melting"), ("groom", "volume")])
         .with_texture("groom_shape_image", even)
         .given(|random, _| {
             let mut p = random.point();
@@ -126,10 +126,10 @@ fn melting(library: &Library) -> f64 {
                 .for_each(|input| *input = random.in_cube(1.0).extend(random.within(-1.0, 1.0)).to_array());
             p
         });
-    crate::warp::displaces(check, 1e-6, |at, x: Place| {
+    crate::formulas::warp::displaces(check, 1e-6, |at, x: Place| {
         let slope = [0.5, 0.25, 0.125].map(|slope| slope * c(0.5 / 1.125));
         let length = (0..3).fold(dual(0.875 / 2.0), |sum, axis| sum + x[axis] * slope[axis]);
-        let [_, bare, _] = crate::warp::melting(at, x);
+        let [_, bare, _] = crate::formulas::warp::melting(at, x);
         [x[0], x[1] + (bare - x[1]) * length, x[2]]
     })
 }

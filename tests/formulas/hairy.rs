@@ -1,12 +1,12 @@
 //! Fur, tribble and cloth: what grows on a surface, and how it is lit.
 
-use crate::density::{bias, gain, mix};
-use crate::dual::{Place, moved, place, scaled, value};
-use crate::groom::{Painted, mixed, narrowed, painted};
-use crate::harness::{At, COLOR, Check};
-use crate::knots::{noise, vector_noise};
-use crate::light::{directions, phong, to_eye_space};
-use crate::values::{Random, Setting, c};
+use crate::formulas::density::{bias, gain, mix};
+use crate::formulas::dual::{Place, moved, place, scaled, value};
+use crate::formulas::groom::{Painted, mixed, narrowed, painted};
+use crate::formulas::harness::{At, COLOR, Check};
+use crate::formulas::knots::{noise, vector_noise};
+use crate::formulas::light::{directions, phong, to_eye_space};
+use crate::formulas::values::{Random, Setting, c};
 use glam::{DVec2, DVec3};
 use hypertexture::shader::Library;
 
@@ -160,7 +160,7 @@ fn tribble(at: &At<'_>) -> (f64, DVec3, DVec3, f64) {
     let step = c(0.05);
     let normal = x.normalize();
     let growth = (curled(gain(c(0.8), tip + step)) - curled(gain(c(0.8), tip - step))) / (c(0.1) * length);
-    let bend = growth + curliness * gain(c(0.8), tip) * crate::dual::slope(curl, normal) - 2.0 * tip * comb;
+    let bend = growth + curliness * gain(c(0.8), tip) * crate::formulas::dual::slope(curl, normal) - 2.0 * tip * comb;
     let (root, shape) = (project(at, there), [c(0.3), c(0.9)]);
     let groom = painted(at, root);
     let hair = strand(root, at.number("tribble_fineness"), at.number("tribble_contrast"), shape, &groom);

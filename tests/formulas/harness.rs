@@ -1,6 +1,6 @@
 //! A check: a module shown by a few lines of GLSL, evaluated in f64 at 10^4 points, and held against a formula.
 
-use crate::values::{Random, Setting};
+use crate::formulas::values::{Random, Setting};
 use glam::DVec3;
 use hypertexture::eval::{Inputs, Invocations, Program, Texture, Wrap};
 use hypertexture::render::variant::{self, Use, Variant};
@@ -124,7 +124,8 @@ impl Check {
         let variant = Variant { entries, slots, ..any };
         let linked = variant.program(&library, Linker::new).unwrap_or_else(|error| panic!("{error}"));
         let images = linked.resources.iter().filter(|resource| resource.holds == Use::Image);
-        let textures = images.map(|image| (image.name.clone(), crate::values::texture(&image.name))).collect();
+        let textures =
+            images.map(|image| (image.name.clone(), crate::formulas::values::texture(&image.name))).collect();
         let give = Box::new(|random: &mut Random, _: &Setting| random.point());
         Check { linked, setting: Setting::new(parameters), textures, give }
     }
@@ -287,7 +288,7 @@ macro_rules! rows {
         $(
             #[test]
             fn $name() {
-                $crate::harness::hold(stringify!($name), $check, &[$(($file, $from, $to)),+]);
+                $crate::formulas::harness::hold(stringify!($name), $check, &[$(($file, $from, $to)),+]);
             }
         )+
     };

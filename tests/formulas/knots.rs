@@ -1,7 +1,7 @@
 //! The noises of PH 2.3 as sums over the eight knots around a place: w(u) w(v) w(w) times what the knot gives.
 
-use crate::dual::{Dual, Place, dual, moved, scaled};
-use crate::values::c;
+use crate::formulas::dual::{Dual, Place, dual, moved, scaled};
+use crate::formulas::values::c;
 use glam::DVec3;
 use hypertexture::noise::{Noise, Weights};
 use std::sync::LazyLock;
@@ -104,7 +104,7 @@ pub fn octaves(p: Place, count: u32, octave: impl Fn(Place, u32) -> Dual) -> Dua
 
 /// PH 2.3: the turbulence of the procedural noise.
 pub fn turbulence(p: Place) -> Dual {
-    octaves(p, crate::harness::OCTAVES, |p, _| noise(p).abs())
+    octaves(p, crate::formulas::harness::OCTAVES, |p, _| noise(p).abs())
 }
 
 /// PH 2.4 (tribble): [noise(p - s), noise(p), noise(p + s)].

@@ -1,8 +1,8 @@
 //! Light: the point light, its shadows, and the surroundings.
 
-use crate::density::smoothstep;
-use crate::harness::{At, Check};
-use crate::values::{c, filtered};
+use crate::formulas::density::smoothstep;
+use crate::formulas::harness::{At, Check};
+use crate::formulas::values::{c, filtered};
 use glam::{DMat3, DVec2, DVec3};
 use hypertexture::eval::Wrap;
 use hypertexture::shader::Library;

@@ -1,10 +1,10 @@
 //! Limit of an octave finer than a sample: the mean of its noise (PH 3.1), so that clamping keeps the
 //! brightness. The means are measured here, of the noises in f64.
 
-use crate::dual::place;
-use crate::harness::{Check, OCTAVES};
-use crate::knots::{Weight, cubic, lattice, perlin, quintic, wavelet};
-use crate::values::Random;
+use crate::formulas::dual::place;
+use crate::formulas::harness::{Check, OCTAVES};
+use crate::formulas::knots::{Weight, cubic, lattice, perlin, quintic, wavelet};
+use crate::formulas::values::Random;
 use glam::DVec3;
 use hypertexture::shader::Library;
 use std::sync::LazyLock;

@@ -1,12 +1,12 @@
 //! Appearance of soft matter.
 
-use crate::density::mix;
-use crate::dual::{Place, moved, place, scaled, value};
-use crate::harness::{At, Check};
-use crate::knots::{noise, turbulence, vector_noise};
-use crate::light::{directions, phong, to_eye_space};
-use crate::surface::{SAMPLE, marble, material, sample, transfer};
-use crate::values::c;
+use crate::formulas::density::mix;
+use crate::formulas::dual::{Place, moved, place, scaled, value};
+use crate::formulas::harness::{At, Check};
+use crate::formulas::knots::{noise, turbulence, vector_noise};
+use crate::formulas::light::{directions, phong, to_eye_space};
+use crate::formulas::surface::{SAMPLE, marble, material, sample, transfer};
+use crate::formulas::values::c;
 use glam::{DMat3, DVec3};
 use hypertexture::shader::Library;
 

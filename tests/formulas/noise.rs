@@ -1,9 +1,9 @@
 //! Noise and turbulence, computed and fetched.
 
-use crate::dual::{Dual, Place, place, scaled};
-use crate::harness::{At, Check, OCTAVES};
-use crate::knots::{cubic, lattice, octaves, perlin, quintic, wavelet};
-use crate::values::{Random, SIDE, c, filtered, image};
+use crate::formulas::dual::{Dual, Place, place, scaled};
+use crate::formulas::harness::{At, Check, OCTAVES};
+use crate::formulas::knots::{cubic, lattice, octaves, perlin, quintic, wavelet};
+use crate::formulas::values::{Random, SIDE, c, filtered, image};
 use glam::DVec3;
 use hypertexture::eval::Wrap;
 use hypertexture::noise::{Noise, Weights};

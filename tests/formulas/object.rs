@@ -1,10 +1,10 @@
 //! Objects, the way down to their surface, and what is sampled of them.
 
-use crate::density::smoothstep;
-use crate::dual::{Dual, Place, length, place, scaled, slope, value};
-use crate::harness::Check;
-use crate::knots::noise;
-use crate::values::{Random, SIDE, c, filtered, image};
+use crate::formulas::density::smoothstep;
+use crate::formulas::dual::{Dual, Place, length, place, scaled, slope, value};
+use crate::formulas::harness::Check;
+use crate::formulas::knots::noise;
+use crate::formulas::values::{Random, SIDE, c, filtered, image};
 use glam::DVec3;
 use hypertexture::eval::Wrap;
 use hypertexture::shader::Library;

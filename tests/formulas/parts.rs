@@ -1,7 +1,7 @@
 //! Several objects made one, and the gradient of what a DMF has made of them.
 
-use crate::classify::{covering, line};
-use crate::harness::{At, COLOR, Check};
+use crate::formulas::classify::{covering, line};
+use crate::formulas::harness::{At, COLOR, Check};
 use glam::{DMat3, DMat4, DVec3};
 use hypertexture::shader::Library;
 
@@ -171,7 +171,9 @@ const GRADIENT: &str =
 
 fn analytic(library: &Library) -> f64 {
     let check = Check::new(library, &[("object", "torus")], GRADIENT);
-    check.holds(1e-9, |at| crate::object::torus(crate::dual::place(at.place(0))).d.to_array().to_vec())
+    check.holds(1e-9, |at| {
+        crate::formulas::object::torus(crate::formulas::dual::place(at.place(0))).d.to_array().to_vec()
+    })
 }
 
 /// Above a flat face the density falls along the normal alone, however the object is turned and stretched.
@@ -288,7 +290,7 @@ fn three(library: &Library) -> f64 {
     });
     check.holds(1e-6, |at| {
         let (x, path) = (at.place(0), at.p[0][3]);
-        let f = |x: DVec3| crate::density::gain(0.75, ((2.0 - x.length()) / 1.5).clamp(0.0, 1.0));
+        let f = |x: DVec3| crate::formulas::density::gain(0.75, ((2.0 - x.length()) / 1.5).clamp(0.0, 1.0));
         let mu = at.place(3).normalize();
         let nu = DVec3::new(-mu.z, 0.0, mu.x).normalize();
         let basis = DMat3::from_cols(mu, nu, nu.cross(mu));

@@ -1,6 +1,6 @@
 //! The two phases of a loop.
 
-use crate::harness::{At, Check};
+use crate::formulas::harness::{At, Check};
 use glam::DVec3;
 use hypertexture::shader::Library;
 use std::f64::consts::FRAC_PI_2;

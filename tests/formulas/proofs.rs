@@ -1,5 +1,4 @@
 //! Declarations of modules and claims of their sources, proved by their own programs in f64 at random points.
-#![expect(clippy::unwrap_used, reason = "a test fails where a module is not as described")]
 
 use crate::probe::Probe;
 use glam::DVec3;

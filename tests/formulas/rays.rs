@@ -1,8 +1,8 @@
 //! Geometry of rays and slices.
 
-use crate::harness::{At, Check};
-use crate::knots::pcg3d;
-use crate::values::c;
+use crate::formulas::harness::{At, Check};
+use crate::formulas::knots::pcg3d;
+use crate::formulas::values::c;
 use glam::{DMat3, DMat4, DVec2, DVec3};
 use hypertexture::shader::Library;
 

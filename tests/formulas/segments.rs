@@ -1,8 +1,8 @@
 //! Samples that stand for a segment of their ray.
 
-use crate::classify::{classified, covering, line};
-use crate::density::mean_logarithm;
-use crate::harness::{At, COLOR, Check};
+use crate::formulas::classify::{classified, covering, line};
+use crate::formulas::density::mean_logarithm;
+use crate::formulas::harness::{At, COLOR, Check};
 use glam::{DMat3, DVec3};
 use hypertexture::shader::Library;
 

@@ -1,10 +1,10 @@
 //! Appearance of a hard surface.
 
-use crate::dual::{Dual, place};
-use crate::harness::{At, COLOR, Check};
-use crate::knots::{noise, turbulence};
-use crate::light::{lit, phong, to_eye_space};
-use crate::values::{c, filtered};
+use crate::formulas::dual::{Dual, place};
+use crate::formulas::harness::{At, COLOR, Check};
+use crate::formulas::knots::{noise, turbulence};
+use crate::formulas::light::{lit, phong, to_eye_space};
+use crate::formulas::values::{c, filtered};
 use glam::{DMat3, DVec3};
 use hypertexture::eval::Wrap;
 use hypertexture::shader::Library;
@@ -62,7 +62,7 @@ pub const SAMPLE: &str = "#include \"sample_point.glsl\"\nSample given() {
 }\n";
 
 /// The inputs of [`SAMPLE`]: a place within 1000 of the origin, two unit vectors, densities.
-pub fn sample(random: &mut crate::values::Random, _: &crate::values::Setting) -> [[f64; 4]; 4] {
+pub fn sample(random: &mut crate::formulas::values::Random, _: &crate::formulas::values::Setting) -> [[f64; 4]; 4] {
     let density = random.density().clamp(0.0, 1.0);
     [
         random.vector().extend(0.0).to_array(),

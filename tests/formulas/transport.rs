@@ -1,10 +1,10 @@
 //! Half-angle slicing with translucency, and volumes in bricks.
 
-use crate::harness::{At, Check};
-use crate::light::in_light_space;
-use crate::medium::medium;
-use crate::surface::material;
-use crate::values::{c, filtered, image};
+use crate::formulas::harness::{At, Check};
+use crate::formulas::light::in_light_space;
+use crate::formulas::medium::medium;
+use crate::formulas::surface::material;
+use crate::formulas::values::{c, filtered, image};
 use glam::DVec3;
 use hypertexture::eval::{Texture, Wrap};
 use hypertexture::shader::Library;

@@ -1,9 +1,9 @@
 //! Warps: where a point is looked up, and the derivative of that.
 
-use crate::dual::{Dual, Place, dual, length, moved, place, scaled, slope, value};
-use crate::harness::{At, Check, OCTAVES};
-use crate::knots::{noise, octaves, turbulence, vector_noise};
-use crate::values::{c, filtered};
+use crate::formulas::dual::{Dual, Place, dual, length, moved, place, scaled, slope, value};
+use crate::formulas::harness::{At, Check, OCTAVES};
+use crate::formulas::knots::{noise, octaves, turbulence, vector_noise};
+use crate::formulas::values::{c, filtered};
 use glam::{DMat3, DVec3};
 use hypertexture::eval::Wrap;
 use hypertexture::shader::Library;
@@ -142,7 +142,7 @@ fn flows(library: &Library) -> f64 {
 
 /// The number of a constant of a module.
 fn constant(name: &str) -> f64 {
-    let library = crate::harness::shipped();
+    let library = crate::formulas::harness::shipped();
     let text = library.source("warp/flowing.glsl").unwrap();
     text.split_once(&format!("{name} = ")).unwrap().1.split_once(';').unwrap().0.parse().unwrap()
 }

@@ -29,7 +29,7 @@ fn m57_every_effect_is_drawn_with_any_anisotropy() {
     with_gpu(|gpu| {
         for name in names() {
             let mut scene = preset(name).unwrap_or_else(|error| panic!("{error}"));
-            scene.image.size = [16, 16];
+            (scene.image.size, scene.object.resolution, scene.light.shadow_resolution) = ([16, 16], 48, 32);
             let all = pictures(gpu, &scene, if EFFECTS.contains(&name) { &[1.0, 2.0, 16.0] } else { &[1.0, 16.0] });
             let matter = |frame: &Frame| frame.pixels.iter().map(|pixel| f64::from(pixel[3])).sum::<f64>();
             for other in &all[1..] {

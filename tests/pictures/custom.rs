@@ -1,5 +1,4 @@
 //! Modules of a person that give no numbers or loop without end: each is named, with the values of its parameters.
-#![expect(clippy::unwrap_used, reason = "a test fails where a scene is not as described")]
 
 use crate::common::{subject, with_gpu};
 use hypertexture::render::{ModuleFault, RenderError, render, try_custom_modules};

@@ -1,7 +1,7 @@
 //! The depth of a picture against closed forms in f64.
 
 use crate::common::{Ray, box_subject, formula, homogeneous, rays, with_gpu};
-use crate::engine::{projection, view};
+use crate::pictures::engine::{projection, view};
 use glam::{DMat4, DVec3, Vec3};
 use hypertexture::gpu::Gpu;
 use hypertexture::render::variant::{Purpose, Use, Variant};

@@ -1,6 +1,6 @@
 //! Values at the end of what a scene may say: every picture is finite, and where the answer is known it is that.
 
-use crate::common::{difference, formula, homogeneous, picture, with_gpu};
+use crate::common::{difference, formula, homogeneous, is_whole, picture, with_gpu};
 use hypertexture::gpu::Gpu;
 use hypertexture::render::{Frame, RenderError, Subject, render};
 use hypertexture::scene::{self, EFFECTS, ParameterValue, Pass, Projection, Proxy, Scene, preset};
@@ -206,7 +206,8 @@ fn random(library: &shader::Library, random: &mut impl FnMut() -> f64) -> Scene 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn random_scenes_are_finite_or_refused() {
-    let count = std::env::var("HYPERTEXTURE_SCENES").ok().and_then(|count| count.parse().ok()).unwrap_or(24);
+    let count = std::env::var("HYPERTEXTURE_SCENES").ok().and_then(|count| count.parse().ok());
+    let count = count.unwrap_or(if is_whole() { 24 } else { 8 });
     with_gpu(|gpu| {
         let library = shader::shipped();
         let mut state = 0x2005_1989u64;

@@ -1,5 +1,4 @@
 //! The figures as pictures; `tests/formulas/figures.rs` holds their densities and colors against the papers.
-#![expect(clippy::unwrap_used, reason = "a test fails where a preset is not as described")]
 
 use crate::common::{picture, subject, with_gpu};
 use hypertexture::scene::{Scene, names, preset};
@@ -16,32 +15,20 @@ fn small(name: &str) -> Scene {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn p01_no_figure_has_an_opacity_outside_of_0_to_1_and_each_has_something_to_see() {
-    let library = shader::shipped();
-    with_gpu(|gpu| {
-        for name in names() {
-            let scene = small(name);
-            let frame = picture(gpu, &library, &scene, &subject(&scene, &library));
-            let alphas = || frame.pixels.iter().map(|pixel| pixel[3]);
-            assert!(alphas().all(|alpha| (0.0..=1.000_01).contains(&alpha)), "{name}");
-            assert!(alphas().filter(|alpha| *alpha > 0.3).count() > 100, "{name} is hardly there");
-        }
-    });
-}
-
-#[test]
-#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn no_preset_is_cut_off_by_the_border_of_its_picture() {
+fn p01_figures_are_seen_have_opacities_and_fit_their_pictures() {
     let library = shader::shipped();
     with_gpu(|gpu| {
         let mut cut = Vec::new();
         for name in names() {
             let mut scene = small(name);
             scene.object.resolution = 96; // a voxel of 32 is wider than the margin
+            let frame = picture(gpu, &library, &scene, &subject(&scene, &library));
+            let alphas = || frame.pixels.iter().map(|pixel| pixel[3]);
+            assert!(alphas().all(|alpha| (0.0..=1.000_01).contains(&alpha)), "{name}");
+            assert!(alphas().filter(|alpha| *alpha > 0.3).count() > 100, "{name} is hardly there");
             if scene.effect.environment != "none" {
                 continue; // the surroundings fill the picture
             }
-            let frame = picture(gpu, &library, &scene, &subject(&scene, &library));
             let [width, height] = scene.image.size.map(|side| side as usize);
             let border =
                 |i: usize| i.is_multiple_of(width) || i % width == width - 1 || i < width || i >= width * (height - 1);

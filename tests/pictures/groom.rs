@@ -1,5 +1,4 @@
 //! Grooms: a scene without one has none of it, and what is painted is what is drawn, by each way to a picture.
-#![expect(clippy::unwrap_used, reason = "a test fails where a scene is not as described")]
 
 use crate::common::{picture, with_gpu};
 use hypertexture::render::variant::Variant;

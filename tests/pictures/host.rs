@@ -1,6 +1,5 @@
 //! A host without this library: the files of `export`, drawn by plain Vulkan.
 #![expect(unsafe_code, unsafe_op_in_unsafe_fn, reason = "the host has a device of its own")]
-#![expect(clippy::unwrap_used, reason = "a host fails where a device or a file is not as described")]
 
 use crate::common::{picture, subject, with_gpu};
 use ash::{Device, Entry, Instance, vk};

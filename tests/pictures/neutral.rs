@@ -1,6 +1,6 @@
 //! A parameter of 0 takes its terms with it, and the picture is the same bit for bit.
 
-use crate::common::{picture, subject, with_gpu};
+use crate::common::{is_whole, picture, subject, with_gpu};
 use crate::random_scene::SplitMix;
 use hypertexture::render::variant::{Program, Variant};
 use hypertexture::render::{Frame, Renderer};
@@ -62,7 +62,10 @@ fn what_a_zero_takes_away_is_not_in_the_program() {
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn a_picture_without_what_comes_to_nothing_is_the_same() {
     // HYPERTEXTURE_SCENES=200 asks for as many scenes in which some parameters are 0.
-    let count = std::env::var("HYPERTEXTURE_SCENES").ok().and_then(|count| count.parse().ok()).unwrap_or(24);
+    let count = std::env::var("HYPERTEXTURE_SCENES")
+        .ok()
+        .and_then(|count| count.parse().ok())
+        .unwrap_or(if is_whole() { 24 } else { 8 });
     let (library, mut random) = (shader::shipped(), SplitMix(14));
     // Its programs take lavapipe seconds each.
     let presets: Vec<&str> = names().filter(|name| *name != "tank").collect();

@@ -1,6 +1,6 @@
 //! Rays that bend: Snell, Fresnel, total reflection and smooth indices against closed forms and an exact tracer.
 
-use crate::common::{Ray, difference, picture, rays, subject, with_gpu};
+use crate::common::{Ray, difference, is_whole, picture, rays, subject, with_gpu};
 use glam::{DMat3, DVec3};
 use hypertexture::gpu::Gpu;
 use hypertexture::render::Subject;
@@ -125,7 +125,8 @@ fn worst(found: &[[DVec3; 2]], truth: &[Traced], counts: impl Fn(usize, &Traced)
 fn p28_parallel_rays_meet_behind_a_luneburg_lens_to_fourth_order() {
     with_gpu(|gpu| {
         let lenses: Vec<Case> = cases::suite(Suite::Verify).filter(|case| case.name == "lenses").collect();
-        let report = cases::run(gpu, cases::library(), &lenses, &|_| ()).unwrap_or_else(|error| panic!("{error}"));
+        let report = cases::run(std::slice::from_ref(gpu), &cases::library(), &lenses, &|_| ())
+            .unwrap_or_else(|error| panic!("{error}"));
         println!("{}", cases::table(&report));
         for row in &report.rows {
             assert!(row.setting == "192 samples" && row.error < 4e-6, "{row:?}");
@@ -250,8 +251,13 @@ fn p28_a_smooth_index_keeps_the_invariant_of_bouguer() {
 fn p28_where_the_index_is_flat_rays_are_straight() {
     let library = shader::shipped();
     with_gpu(|gpu| {
-        for effect in ["lit", "fur", "fire", "melting", "shells"] {
-            for (object, clip) in [("torus", None), ("sphere", Some([0.0, 0.0, 1.0, 0.3]))] {
+        for (index, effect) in ["lit", "fur", "fire", "melting", "shells"].into_iter().enumerate() {
+            for (part, (object, clip)) in
+                [("torus", None), ("sphere", Some([0.0, 0.0, 1.0, 0.3]))].into_iter().enumerate()
+            {
+                if !is_whole() && index % 2 != part {
+                    continue;
+                }
                 let mut scene = preset(effect).expect("a shipped preset");
                 scene.object.input = object.into();
                 scene.object.stretch = [1.0, 1.0, 0.7];

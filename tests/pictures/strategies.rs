@@ -1,5 +1,4 @@
 //! The strategies of noise and turbulence: each against its twin in f64, and what each costs in fetches and errors.
-#![expect(clippy::unwrap_used, reason = "a test fails where a module is not as described")]
 
 use crate::common::{difference, homogeneous, picture, rays, subject, with_gpu};
 use glam::DVec3;

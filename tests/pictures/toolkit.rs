@@ -1,5 +1,4 @@
 //! The toolkit of PH 2.3 and 2.4 against its formulas in f64: shaping, DMFs, warps and their jacobians, noises.
-#![expect(clippy::unwrap_used, reason = "a test fails where a module is not as described")]
 
 use crate::common::{picture, subject, with_gpu};
 use crate::lattice::{noise, octaves, wavelet};

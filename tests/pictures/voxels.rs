@@ -1,5 +1,4 @@
 //! Volumes of voxels against closed forms: density, color, placement and stated error.
-#![allow(clippy::unwrap_used)] // clippy sees a test only in `#[test]`, not in what it calls
 
 use crate::common::with_gpu;
 use glam::DVec3;

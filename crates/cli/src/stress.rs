@@ -51,8 +51,8 @@ fn device(command: &Stress, options: &Options, quiet: bool) -> Result<(), Box<dy
     let written = [("--json", &command.json), ("--html", &command.html)];
     let written = written.into_iter().filter_map(|(flag, file)| Some((flag, file.clone()?)));
     hypertexture::output::check_all(written, [])?;
-    let gpu = Gpu::new(options)?;
-    let report = announced(quiet, "stress", |progress| cases::run(&gpu, cases::library(), &chosen, progress))?;
+    let gpus = cases::devices(Gpu::new(options)?, options)?;
+    let report = announced(quiet, "stress", |progress| cases::run(&gpus, &cases::library(), &chosen, progress))?;
     let write = |path: &Option<PathBuf>, text: &dyn Fn() -> Result<String, serde_json::Error>| {
         let Some(path) = path else { return Ok(()) };
         write_whole(path, text().map_err(|error| error.to_string())?.as_bytes())
@@ -64,7 +64,7 @@ fn device(command: &Stress, options: &Options, quiet: bool) -> Result<(), Box<dy
     };
     write(&command.json, &|| serde_json::to_string_pretty(&report))?;
     write(&command.html, &|| Ok(cases::chart_page(&report)))?;
-    conclude(&report, &gpu, quiet)
+    conclude(&report, &gpus[0], quiet)
 }
 
 /// Prints the table of a report; an error names the rows that fail.

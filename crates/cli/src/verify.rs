@@ -55,17 +55,18 @@ pub fn run(command: &Verify, options: &Options, quiet: bool) -> Result<(), Box<d
 }
 
 fn device(options: &Options, json: bool, quiet: bool) -> Result<(), Box<dyn Error>> {
-    let gpu = Gpu::new(options)?;
+    let gpus = cases::devices(Gpu::new(options)?, options)?;
+    let gpu = &gpus[0];
     let start = Instant::now();
     let chosen: Vec<cases::Case> = cases::suite(Suite::Verify).collect();
-    let report = announced(quiet, "cases", |progress| cases::run(&gpu, cases::library(), &chosen, progress))?;
+    let report = announced(quiet, "cases", |progress| cases::run(&gpus, &cases::library(), &chosen, progress))?;
     if json {
         let (holds, seconds) = (report.failed().next().is_none(), start.elapsed().as_secs_f64());
         say_json(&json!({
             "program": PROGRAM, "device": gpu.info().title(), "holds": holds, "rows": report.rows, "seconds": seconds,
         }))?;
     }
-    conclude(&report, &gpu, quiet || json)
+    conclude(&report, gpu, quiet || json)
 }
 
 fn picture(image: &Path, command: &Verify, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {

@@ -1,6 +1,6 @@
 //! Animated scenes: frames against plain scenes of their moments, loops, and files of all frames together.
 
-use crate::desk::Desk;
+use super::desk::Desk;
 use std::fs;
 
 const MOVING: &str = "preset = \"fire\"

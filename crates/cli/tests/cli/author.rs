@@ -1,6 +1,4 @@
 //! Live authoring: what a person writes reaches the scene, and what the compiler makes of it reaches the person.
-#![cfg(feature = "viewer")]
-#![expect(clippy::unwrap_used, reason = "a test fails where a process or a file is not as described")]
 
 use hypertexture::render::variant::Variant;
 use hypertexture::scene::{ParameterValue, preset};

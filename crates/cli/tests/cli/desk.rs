@@ -1,6 +1,6 @@
 //! A working folder in which the program is run.
 
-use crate::program::unexpected;
+use crate::program::{share, unexpected, warm};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::PathBuf;
@@ -11,13 +11,27 @@ pub const SMALL: &str = "--size 64x64 --samples 32";
 /// A working folder with a cache beside it; both vanish with the test.
 pub struct Desk {
     root: tempfile::TempDir,
+    is_cold: bool,
 }
 
 impl Desk {
+    /// A desk whose cache begins with the programs and fields of other tests.
     pub fn new() -> Desk {
-        let root = tempfile::tempdir().unwrap();
+        let mut desk = Desk::cold();
+        desk.is_cold = false;
+        warm(&desk.cache());
+        desk
+    }
+
+    /// A desk with an empty cache.
+    pub fn cold() -> Desk {
+        let root = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).unwrap();
         fs::create_dir(root.path().join("work")).unwrap();
-        Desk { root }
+        Desk { root, is_cold: true }
+    }
+
+    pub fn cache(&self) -> PathBuf {
+        self.root.path().join("cache")
     }
 
     pub fn work(&self) -> PathBuf {
@@ -31,7 +45,7 @@ impl Desk {
     pub fn command(&self, arguments: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_hypertexture"));
         command.args(arguments.split_whitespace()).current_dir(self.work());
-        command.env("HYPERTEXTURE_CACHE", self.root.path().join("cache"));
+        command.env("HYPERTEXTURE_CACHE", self.cache());
         command.env_remove("SLURM_ARRAY_TASK_ID").env_remove("JOB_COMPLETION_INDEX");
         command.env_remove("HYPERTEXTURE_LOG").env_remove("HYPERTEXTURE_VALIDATION");
         command.stdin(Stdio::null());
@@ -41,7 +55,7 @@ impl Desk {
     /// A line for `sh`, which runs in the working folder as the program does.
     pub fn shell(&self, line: &str) -> Command {
         let mut command = Command::new("sh");
-        command.args(["-c", line]).current_dir(self.work()).env("HYPERTEXTURE_CACHE", self.root.path().join("cache"));
+        command.args(["-c", line]).current_dir(self.work()).env("HYPERTEXTURE_CACHE", self.cache());
         command
     }
 
@@ -75,6 +89,14 @@ impl Desk {
 
     pub fn write(&self, name: &str, content: impl AsRef<[u8]>) {
         fs::write(self.file(name), content).unwrap();
+    }
+}
+
+impl Drop for Desk {
+    fn drop(&mut self) {
+        if !self.is_cold {
+            share(&self.cache());
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Modules that harm: each command refuses them by one line, before it does anything with them.
 
-use crate::desk::{Desk, refused, text};
+use super::desk::{Desk, refused, text};
 
 /// A DMF in a file of that name, with that body and text before it; its body begins in the sixth line.
 fn dmf(desk: &Desk, name: &str, before: &str, body: &str) {
@@ -140,8 +140,7 @@ fn where_addresses_are_few_that_is_said_in_one_line() {
             &format!("ulimit -v {kib}; exec \"$0\" render torus --size 16x16"),
             env!("CARGO_BIN_EXE_hypertexture"),
         ]);
-        let output =
-            limited.current_dir(desk.work()).env("HYPERTEXTURE_CACHE", desk.file("../cache")).output().unwrap();
+        let output = limited.current_dir(desk.work()).env("HYPERTEXTURE_CACHE", desk.cache()).output().unwrap();
         let err = text(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{kib}: {} {err}", output.status);
         assert!(err.lines().count() == 1 && err.contains("ulimit -v"), "{kib}: {err}");

@@ -1,13 +1,15 @@
 //! A program that is killed at any moment: nothing torn, and the next run gives what the first would have.
 
-use crate::desk::Desk;
+use super::desk::Desk;
+use crate::common::is_whole;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
-/// Times that the program is killed; as many as `HYPERTEXTURE_KILLS` says for a long run.
-const KILLS: u32 = 16;
+/// Times that the program is killed, in short and in whole runs of the tests; as many as `HYPERTEXTURE_KILLS` says for a
+/// long one.
+const KILLS: [u32; 2] = [4, 16];
 
 /// The files that a person looks for: all but what is in work, and the list of what is finished.
 fn pictures(desk: &Desk) -> BTreeMap<PathBuf, Vec<u8>> {
@@ -22,17 +24,20 @@ fn name(path: &std::path::Path) -> PathBuf {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn a_program_that_is_killed_leaves_nothing_torn_and_goes_on_where_it_was() {
-    let kills = std::env::var("HYPERTEXTURE_KILLS").ok().and_then(|count| count.parse().ok()).unwrap_or(KILLS);
+    let kills = std::env::var("HYPERTEXTURE_KILLS")
+        .ok()
+        .and_then(|count| count.parse().ok())
+        .unwrap_or(KILLS[usize::from(is_whole())]);
     for words in [
         "render knot --resolution 24 --size 32x32 --samples 16 --frames 0..5 --save-scene s.toml -o f_##.png",
         "render knot --resolution 24 --size 64x64 --samples 16 --save-scene s.toml -o p.exr",
         "field knot --resolution 48 -o k.nrrd",
     ] {
-        let whole = Desk::new();
+        let whole = Desk::cold();
         let start = Instant::now();
         whole.good(words);
         let (mut all, expected) = (start.elapsed(), pictures(&whole));
-        let (mut desk, mut killed, mut ends, mut place) = (Desk::new(), 0, 0, 0.0f64);
+        let (mut desk, mut killed, mut ends, mut place) = (Desk::cold(), 0, 0, 0.0f64);
         while killed < kills {
             place = (place + 0.618_034).fract(); // all over the time that it takes
             let mut child = desk.command(words).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
@@ -48,7 +53,7 @@ fn a_program_that_is_killed_leaves_nothing_torn_and_goes_on_where_it_was() {
                     let said = String::from_utf8_lossy(&output.stderr).into_owned();
                     assert!(output.status.success() && said.is_empty(), "`{words}` after kills: {said}");
                     assert!(pictures(&desk) == expected, "`{words}`: other files");
-                    (desk, ends) = (Desk::new(), ends + 1);
+                    (desk, ends) = (Desk::cold(), ends + 1);
                     // It took no longer than that: the machine may be faster now than at first.
                     all = all.mul_f64(place);
                 }
@@ -61,7 +66,7 @@ fn a_program_that_is_killed_leaves_nothing_torn_and_goes_on_where_it_was() {
                 let left: Vec<PathBuf> =
                     desk.files().into_keys().filter(|path| name(path).to_string_lossy().starts_with('.')).collect();
                 assert!(left.is_empty(), "`{words}`: {left:?}");
-                (desk, killed) = (Desk::new(), killed + 1);
+                (desk, killed) = (Desk::cold(), killed + 1);
             }
         }
         println!("{killed} kills, {ends} that came too late: `{words}`");

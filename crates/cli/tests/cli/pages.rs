@@ -1,12 +1,15 @@
-//! Every line of the code blocks of the README, guide.md and cluster.md, typed in a fresh home in its order: it succeeds, and
-//! the files that it names are there.
+//! Every line of the code blocks of the README, guide.md and cluster.md, typed in a fresh home: it succeeds, and the files that
+//! it names are there. Lines that name the same files run in their order, others beside each other.
 
 use super::desk::text;
 use super::dicom::{LITTLE, series};
+use crate::program::warm;
+use std::collections::BTreeSet;
 use std::fs;
 use std::os::unix::fs::{PermissionsExt, symlink};
 use std::path::Path;
 use std::process::Command;
+use std::sync::{Condvar, Mutex};
 
 /// Programs in place of those that a line calls: the one under test, with small pictures and an end to windows, and those of
 /// others.
@@ -48,36 +51,83 @@ fn written(line: &str, home: &str) -> Vec<String> {
     files.map(|pair| pair[1].replace("####", "0042").replace('~', home)).collect()
 }
 
-/// Types lines in a folder; those that fail.
-fn failures(desk: &Path, work: &Path, lines: &[String]) -> Vec<String> {
+/// Names in a line up to the first character of a number, a pattern or an ending: `fire_####.png` and `fire_%04d.png` have
+/// the same.
+fn stems<'a>(words: impl Iterator<Item = &'a str>) -> BTreeSet<String> {
+    let stem = |word: &str| word.split(['.', '#', '%', '*', '/']).find(|part| !part.is_empty()).map(String::from);
+    words.filter_map(stem).collect()
+}
+
+/// For each line, the lines before it that must have ended: those that write a file that it names, or name one that it writes.
+fn order(lines: &[String], home: &str) -> Vec<Vec<usize>> {
+    let files: Vec<_> = lines.iter().map(|line| stems(written(line, home).iter().map(String::as_str))).collect();
+    let words: Vec<_> = lines.iter().map(|line| stems(line.split(" #").next().unwrap().split_whitespace())).collect();
+    let meet = |i: usize, j: usize| !files[i].is_disjoint(&words[j]) || !words[i].is_disjoint(&files[j]);
+    (0..lines.len()).map(|j| (0..j).filter(|&i| meet(i, j)).collect()).collect()
+}
+
+/// Types a line in a folder; how it fails.
+fn failure(desk: &Path, work: &Path, line: &str) -> Option<String> {
     let [home, bin] = ["home", "bin"].map(|name| desk.join(name));
     let path = format!("{}:{}", bin.display(), std::env::var("PATH").unwrap());
-    let mut failures = Vec::new();
-    for line in lines {
-        if cfg!(no_display) && line.starts_with("hypertexture view") {
-            continue;
-        }
-        let began = std::time::Instant::now();
-        let mut shell = Command::new("sh");
-        shell.args(["-c", line]).current_dir(work).env("PATH", &path).env("HOME", &home);
-        shell.env("PROGRAM", env!("CARGO_BIN_EXE_hypertexture"));
-        for variable in ["HYPERTEXTURE_CACHE", "XDG_CACHE_HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME", "WAYLAND_DISPLAY"]
-        {
-            shell.env_remove(variable);
-        }
-        let output = shell.output().unwrap();
-        println!("{:5.1} s  {line}", began.elapsed().as_secs_f64());
-        let missing = written(line, home.to_str().unwrap()).into_iter().filter(|name| {
-            let path = work.join(name);
-            !path.is_dir() && !path.metadata().is_ok_and(|file| file.len() > 0)
-        });
-        let missing: Vec<String> = missing.collect();
-        if !output.status.success() || !missing.is_empty() {
-            let said = text(&output.stderr);
-            failures.push(format!("`{line}`: {}, not written: {missing:?}\n    {}", output.status, said.trim_end()));
-        }
+    let began = std::time::Instant::now();
+    let mut shell = Command::new("sh");
+    shell.args(["-c", line]).current_dir(work).env("PATH", &path).env("HOME", &home);
+    shell.env("PROGRAM", env!("CARGO_BIN_EXE_hypertexture"));
+    for variable in ["HYPERTEXTURE_CACHE", "XDG_CACHE_HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME", "WAYLAND_DISPLAY"] {
+        shell.env_remove(variable);
     }
-    failures
+    // The driver's compiled shaders are those of the machine.
+    if let (None, Some(own)) = (std::env::var_os("MESA_SHADER_CACHE_DIR"), std::env::var_os("HOME")) {
+        shell.env("MESA_SHADER_CACHE_DIR", Path::new(&own).join(".cache"));
+    }
+    let output = shell.output().unwrap();
+    println!("{:5.1} s  {line}", began.elapsed().as_secs_f64());
+    let missing = written(line, home.to_str().unwrap()).into_iter().filter(|name| {
+        let path = work.join(name);
+        !path.is_dir() && !path.metadata().is_ok_and(|file| file.len() > 0)
+    });
+    let missing: Vec<String> = missing.collect();
+    let said = text(&output.stderr);
+    (!output.status.success() || !missing.is_empty())
+        .then(|| format!("`{line}`: {}, not written: {missing:?}\n    {}", output.status, said.trim_end()))
+}
+
+/// Types lines in a folder, on all cores; those that fail.
+fn failures(desk: &Path, work: &Path, lines: &[String]) -> Vec<String> {
+    #[derive(Clone, Copy, PartialEq)]
+    enum State {
+        Waiting,
+        Running,
+        Done,
+    }
+    let before = order(lines, desk.join("home").to_str().unwrap());
+    let states = Mutex::new(vec![State::Waiting; lines.len()]);
+    let (changed, failures) = (Condvar::new(), Mutex::new(Vec::new()));
+    let type_lines = || {
+        let mut state = states.lock().unwrap();
+        while let Some(first) = state.iter().position(|state| *state == State::Waiting) {
+            let is_ready = |&line: &usize| {
+                state[line] == State::Waiting && before[line].iter().all(|&before| state[before] == State::Done)
+            };
+            let Some(line) = (first..lines.len()).find(is_ready) else {
+                state = changed.wait(state).unwrap();
+                continue;
+            };
+            state[line] = State::Running;
+            drop(state);
+            let failure = std::panic::catch_unwind(|| failure(desk, work, &lines[line]));
+            failures.lock().unwrap().extend(failure.unwrap_or_else(|_| Some(format!("`{}` panics", lines[line]))));
+            state = states.lock().unwrap();
+            state[line] = State::Done;
+            changed.notify_all();
+        }
+    };
+    std::thread::scope(|scope| {
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        (0..cores).for_each(|_| drop(scope.spawn(&type_lines)));
+    });
+    failures.into_inner().unwrap()
 }
 
 fn executable(path: &Path, script: &str) {
@@ -87,10 +137,11 @@ fn executable(path: &Path, script: &str) {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn every_line_of_the_readme_and_the_guide_runs_in_a_fresh_home() {
-    let desk = tempfile::tempdir().unwrap();
+fn lines_of_readme_and_guide_run_in_a_fresh_home() {
+    let desk = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).unwrap();
     let [home, bin, work] = ["home", "bin", "work"].map(|name| desk.path().join(name));
     [&home, &bin, &work].into_iter().for_each(|folder| fs::create_dir(folder).unwrap());
+    warm(&home.join(".cache/hypertexture"));
     STAND_INS.into_iter().for_each(|(name, script)| executable(&bin.join(name), script));
     executable(&work.join("setup.sh"), ""); // has a test of its own
     symlink(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples"), work.join("examples")).unwrap();
@@ -113,6 +164,7 @@ fn every_line_of_the_readme_and_the_guide_runs_in_a_fresh_home() {
     let command = |line: &str| line.split(" #").next().map(|command| command.trim_end().to_string());
     let typed: Vec<_> = all.iter().map(|line| command(line)).collect();
     all.extend(guide.into_iter().filter(|line| !typed.contains(&command(line))));
+    all.retain(|line| !cfg!(no_display) || !line.starts_with("hypertexture view"));
     let failures = failures(desk.path(), &work, &all);
     assert!(failures.is_empty(), "{} failures\n{}", failures.len(), failures.join("\n"));
 }

@@ -1,5 +1,4 @@
 //! The paper's tables, replayed end to end at tiny size: shape, numbers, errors, and what discarding changes.
-#![expect(clippy::unwrap_used, reason = "a test fails where a file or a process is not as described")]
 
 use crate::common::{subject, with_gpu};
 use crate::program::{interrupt, run, unexpected};

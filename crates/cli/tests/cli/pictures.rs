@@ -1,6 +1,6 @@
 //! Output of each command.
 
-use crate::desk::{Desk, SMALL, refused, text};
+use super::desk::{Desk, SMALL, refused, text};
 use hypertexture::scene::{ParameterValue, Reach};
 use std::fs;
 use std::path::Path;
@@ -34,8 +34,7 @@ fn a_render_writes_the_picture_and_says_what_it_took() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn the_parts_of_the_time_are_in_the_whole() {
-    let desk = Desk::new();
-    // Neither field nor program is in the cache.
+    let desk = Desk::cold(); // the field and the program are computed
     let said = desk.good(&format!("render dodecahedron --effect fur --resolution 64 --module weights=cubic {SMALL}"));
     let line = said.lines().find(|line| line.starts_with("time ")).unwrap();
     let ms = |behind: &str| -> f64 {

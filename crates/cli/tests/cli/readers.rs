@@ -2,7 +2,6 @@
 //!
 //! HYPERTEXTURE_PYTHON names a Python with trimesh, SimpleITK, nibabel, pynrrd, numpy, scipy and networkx; without one that
 //! has them, it is said and nothing is compared.
-#![allow(clippy::unwrap_used)] // clippy sees a test only in `#[test]`, not in what it calls
 
 use crate::program::run;
 use serde_json::Value;

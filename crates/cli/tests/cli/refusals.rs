@@ -1,6 +1,6 @@
 //! Bad input is refused in one line, and nothing is written.
 
-use crate::desk::{Desk, refused, text};
+use super::desk::{Desk, refused, text};
 use std::fs;
 
 #[test]

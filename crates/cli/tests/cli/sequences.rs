@@ -1,26 +1,16 @@
 //! Sequences, run as a person runs them: stopped, resumed, damaged; and predictions held against what happens.
-#![expect(clippy::unwrap_used, reason = "a test fails where a file or a process is not as described")]
 
 use crate::common::{subject, with_gpu};
+use crate::program::{command, run};
 use hypertexture::render::{Renderer, render};
 use hypertexture::scene::{Pass, preset};
 use hypertexture::shader;
 use measure::predict::predict;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Command;
 
 const FRAMES: &str = "render torus --effect fire --size 32x32 --samples 16 --fps 5 --turntable";
-
-fn command(folder: &Path, arguments: &str) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_hypertexture"));
-    command.args(arguments.split_whitespace()).current_dir(folder).env("HYPERTEXTURE_CACHE", folder.join("cache"));
-    command
-}
-
-fn run(folder: &Path, arguments: &str) -> Output {
-    command(folder, arguments).output().unwrap()
-}
 
 /// Standard output of what must succeed.
 fn good(folder: &Path, arguments: &str) -> String {

@@ -1,7 +1,7 @@
 //! Shards: any split of a picture is the picture, bit for bit, and no other set of files becomes one.
-#![expect(clippy::unwrap_used, reason = "a test fails where a file or a process is not as described")]
 
 use crate::common::{picture, subject, with_gpu};
+use crate::program::command;
 use hypertexture::output::shard::{Shard, Whole, encode, merge};
 use hypertexture::output::{Depth, Provenance, identity, identity_of_texts};
 use hypertexture::render::{Frame, Measurements, Renderer};
@@ -9,7 +9,6 @@ use hypertexture::scene::{Color, Pass, Scene, TargetFormat, preset};
 use hypertexture::shader;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 fn bits(frame: &Frame) -> Vec<[u32; 4]> {
     frame.pixels.iter().map(|pixel| pixel.map(f32::to_bits)).collect()
@@ -175,9 +174,8 @@ fn p53_cluster_scripts_give_the_file_of_one_process() {
     for (words, index) in [("#SBATCH", "SLURM_ARRAY_TASK_ID"), ("args: [", "JOB_COMPLETION_INDEX")] {
         let folder = tempfile::tempdir().unwrap();
         let run = |arguments: &[String], variables: &[(&str, &str)]| {
-            let mut command = Command::new(env!("CARGO_BIN_EXE_hypertexture"));
-            command.args(arguments).current_dir(folder.path()).env("HYPERTEXTURE_CACHE", folder.path().join("cache"));
-            let output = command.envs(variables.iter().copied()).output().unwrap();
+            let mut command = command(folder.path(), "");
+            let output = command.args(arguments).envs(variables.iter().copied()).output().unwrap();
             assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
         };
         let [render, merge] = commands(words);

@@ -15,8 +15,8 @@ case "$command $*" in
     gallery*) small="--size 16x16 --samples 8 --resolution 24" ;;
     *--script* | *--frames*) ;;
     view*)
-        printf 'wait drawn\nquit\n' > "$HOME/end.steps"
-        small="$small --script $HOME/end.steps"
+        printf 'wait drawn\nquit\n' > "$HOME/end.$$"
+        small="$small --script $HOME/end.$$"
         ;;
     *) small= ;;
 esac
@@ -30,11 +30,10 @@ while [ "$left" -gt 0 ]; do
     shift
 done
 if [ "$command" = view ]; then
-    rm -f "$HOME/display" # of the window before
-    Xvfb -displayfd 3 -screen 0 1280x1024x24 -nolisten tcp 3> "$HOME/display" 2> /dev/null &
+    Xvfb -displayfd 3 -screen 0 1280x1024x24 -nolisten tcp 3> "$HOME/display.$$" 2> /dev/null &
     server=$!
-    until grep -qs . "$HOME/display"; do kill -0 $server && sleep 0.1 || exit 1; done
-    DISPLAY=:$(cat "$HOME/display")
+    until grep -qs . "$HOME/display.$$"; do kill -0 $server && sleep 0.1 || exit 1; done
+    DISPLAY=:$(cat "$HOME/display.$$")
     export DISPLAY
     trap 'kill $server' EXIT
     "$PROGRAM" view "$@" $small

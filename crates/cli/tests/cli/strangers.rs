@@ -1,8 +1,8 @@
 //! Files of strangers: nothing that they name or say reaches a terminal as anything but text, and they name no files that a
 //! scene may not name.
 
-use crate::corpus::{self, Bad, with_scene};
-use crate::desk::{Desk, text};
+use super::corpus::{self, Bad, with_scene};
+use super::desk::{Desk, text};
 use hypertexture::output::Provenance;
 use hypertexture::scene::schema::{Kind, SETTINGS};
 use hypertexture::scene::{self, Scene};

@@ -1,22 +1,19 @@
 //! Pictures that say where they come from, and `verify`, run as a person runs them.
-#![expect(clippy::unwrap_used, reason = "a test fails where a file or a process is not as described")]
 
-use crate::program::unexpected;
+use crate::program::{command, unexpected};
 use hypertexture::output::{self, Depth, Encoding, Provenance, read_provenance};
 use hypertexture::render::Frame;
 use hypertexture::scene::{self, Reach, preset};
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 const SMALL: &str = "--effect fire --size 48x40";
 /// A tetrahedron.
 const MESH: &str = "v 1 1 1\nv -1 -1 1\nv -1 1 -1\nv 1 -1 -1\nf 1 2 4\nf 1 3 2\nf 1 4 3\nf 2 3 4\n";
 
 fn run(desk: &Path, arguments: &str) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_hypertexture"));
-    command.args(arguments.split_whitespace()).current_dir(desk).env("HYPERTEXTURE_CACHE", desk.join("cache"));
-    command.env("HYPERTEXTURE_VALIDATION", "1").output().unwrap()
+    command(desk, arguments).env("HYPERTEXTURE_VALIDATION", "1").output().unwrap()
 }
 
 /// Standard output of what must succeed without a word of the validation layer.

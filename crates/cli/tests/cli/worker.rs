@@ -3,7 +3,6 @@
 //!
 //! The driver that does so is a script before the real worker: no code that ships has a hook for it.
 #![cfg(unix)]
-#![expect(clippy::unwrap_used, reason = "a test fails where a process or a file is not as described")]
 
 use crate::common::{picture, subject, with_gpu};
 use hypertexture::output::{self, Depth, Provenance};

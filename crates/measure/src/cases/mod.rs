@@ -36,6 +36,6 @@ pub use lenses::{clear, exit_rays};
 pub use list::{CASES, suite};
 pub use rays::{Ray, rays};
 pub use report::{chart_page, table};
-pub use run::{Case, Measure, Suite, run};
+pub use run::{Case, Measure, Suite, devices, run};
 pub use scenes::{box_subject, homogeneous};
 pub use shaping::{bias, gain};

@@ -1,0 +1,29 @@
+//! The command line, run as a person runs it: what it writes, what it says, and how it refuses.
+
+mod animation;
+mod author;
+mod compare;
+mod corpus;
+mod desk;
+#[cfg(unix)]
+#[allow(dead_code, reason = "written for the tests of the format")]
+#[path = "../../../shape/tests/shape/dicom/files.rs"]
+mod dicom;
+mod guard;
+mod json;
+mod kills;
+#[cfg(unix)]
+mod pages;
+mod paper;
+mod pictures;
+mod readers;
+mod refusals;
+#[cfg(unix)]
+mod release;
+mod sequences;
+mod shards;
+mod strangers;
+mod verify;
+mod volumes;
+mod web;
+mod worker;

@@ -1,0 +1,31 @@
+//! Pictures by a device: what each part of the program makes of one, against formulas and against other ways to it.
+
+mod anisotropy;
+mod bandlimit;
+mod classification;
+mod custom;
+mod debug_views;
+mod depth;
+mod dmf;
+mod edges;
+mod engine;
+mod extremes;
+mod figures;
+mod functions;
+mod gradients;
+mod groom;
+mod half_angle;
+mod host;
+mod ignored;
+mod neutral;
+mod objects;
+mod project;
+mod refraction;
+mod sampling;
+mod segment;
+mod shadows;
+mod stages;
+mod storage;
+mod strategies;
+mod toolkit;
+mod voxels;
