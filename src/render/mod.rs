@@ -15,7 +15,6 @@ mod inputs;
 mod measurements;
 mod portable;
 mod subject;
-#[doc(hidden)] // for the tests of this crate
 pub mod texture;
 pub mod variant;
 mod volume;

@@ -34,6 +34,7 @@ const GRIP: f32 = 12.0;
 /// State of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Comparison {
+    /// How the pictures are shown.
     pub mode: CompareMode,
     /// Position of the divider, from 0 at the left to 1 at the right.
     pub at: f32,

@@ -5,11 +5,11 @@ use super::app::{App, Start};
 use super::background::Notify;
 use super::display::{Display, Guard, fitted};
 use super::input::passes;
+use super::reader::Reader;
 use super::script::{Script, widgets};
 use super::unsaved::Latest;
 use super::window_state::{WindowState, perform};
 use egui::{Event, FullOutput, ViewportCommand, ViewportId};
-use egui_winit::accesskit_winit::{self, Adapter};
 use hypertexture::gpu::{GpuError, Messages, Presented};
 use std::io::{self, Write};
 use std::sync::Arc;
@@ -37,11 +37,13 @@ enum Message {
     /// Draw a frame.
     Wake,
     /// A screen reader asks for the names of the controls, or acts on one.
-    Reader(accesskit_winit::WindowEvent),
+    #[cfg(feature = "desktop")]
+    Reader(egui_winit::accesskit_winit::WindowEvent),
 }
 
-impl From<accesskit_winit::Event> for Message {
-    fn from(event: accesskit_winit::Event) -> Message {
+#[cfg(feature = "desktop")]
+impl From<egui_winit::accesskit_winit::Event> for Message {
+    fn from(event: egui_winit::accesskit_winit::Event) -> Message {
         Message::Reader(event.window_event)
     }
 }
@@ -179,9 +181,9 @@ impl ApplicationHandler<Message> for EventHandler {
             .create_window(attributes)
             .map_err(|error| ViewError::Window(error.to_string()))
             .and_then(|window| {
-                let adapter = Adapter::with_event_loop_proxy(event_loop, &window, self.readers.clone());
+                let reader = Reader::connect(event_loop, &window, self.readers.clone());
                 window.set_visible(true);
-                self.open(Arc::new(window), Some(adapter))
+                self.open(Arc::new(window), reader)
             });
         self.exit_on_error(event_loop, opened);
     }
@@ -193,20 +195,12 @@ impl ApplicationHandler<Message> for EventHandler {
     }
 
     fn user_event(&mut self, _: &ActiveEventLoop, message: Message) {
-        if let (Message::Reader(event), Some(state)) = (message, &mut self.state) {
-            match event {
-                accesskit_winit::WindowEvent::InitialTreeRequested => {
-                    self.read = true;
-                    state.context.enable_accesskit();
-                }
-                accesskit_winit::WindowEvent::ActionRequested(request) => {
-                    state.input.on_accesskit_action_request(request);
-                }
-                accesskit_winit::WindowEvent::AccessibilityDeactivated => {
-                    self.read = self.script.is_some();
-                    if !self.read {
-                        state.context.disable_accesskit();
-                    }
+        match message {
+            Message::Wake => {}
+            #[cfg(feature = "desktop")]
+            Message::Reader(event) => {
+                if let Some(state) = &mut self.state {
+                    self.read = super::reader::answer(event, state, self.script.is_some(), self.read);
                 }
             }
         }
@@ -253,7 +247,7 @@ impl ApplicationHandler<Message> for EventHandler {
 }
 
 impl EventHandler {
-    fn open(&mut self, window: Arc<Window>, adapter: Option<Adapter>) -> Result<(), ViewError> {
+    fn open(&mut self, window: Arc<Window>, reader: Reader) -> Result<(), ViewError> {
         let mut state = WindowState::new(&self.start, window, self.notify.clone(), self.read).map_err(|error| {
             match self.display.depth() {
                 Some(depth) if matches!(error, ViewError::Gpu(GpuError::NoPresent)) && !DEPTHS.contains(&depth) => {
@@ -262,7 +256,7 @@ impl EventHandler {
                 _ => error,
             }
         })?;
-        state.input.accesskit = adapter;
+        reader.attach(&mut state.input);
         self.messages.push(state.canvas.gpu().messages());
         self.app.use_device(state.canvas.gpu());
         state.window.request_redraw();
@@ -271,9 +265,9 @@ impl EventHandler {
     }
 
     /// Drops everything on the device and returns the window, and what readers know of it.
-    fn close(&mut self) -> Option<(Arc<Window>, Option<Adapter>)> {
+    fn close(&mut self) -> Option<(Arc<Window>, Reader)> {
         self.app.leave_device();
-        self.state.take().map(|mut state| (state.window, state.input.accesskit.take()))
+        self.state.take().map(|mut state| (state.window, Reader::detach(&mut state.input)))
     }
 
     fn exit_on_error(&mut self, event_loop: &ActiveEventLoop, done: Result<(), ViewError>) {

@@ -7,12 +7,10 @@
 //! submits only the draws of egui, and computes no field.
 
 mod app;
-#[doc(hidden)] // for the tests of this crate
 pub mod author;
 mod background;
 mod canvas;
 mod coarse;
-#[doc(hidden)] // for the tests of this crate
 pub mod compare;
 mod densities;
 mod display;
@@ -22,27 +20,22 @@ mod finals;
 mod fonts;
 mod input;
 mod input_latency;
-#[doc(hidden)] // for the tests of this crate
 pub mod inspect;
 mod keys;
 mod lesson;
 mod load;
 mod mean;
-#[doc(hidden)] // for the tests of this crate
 pub mod message;
-#[doc(hidden)] // for the tests of this crate
 pub mod model;
 mod painting;
-#[doc(hidden)] // for the tests of this crate
 pub mod panels;
-#[doc(hidden)] // for the tests of this crate
 pub mod playback;
 mod progressive;
+mod reader;
 mod screen;
 mod script;
 mod status;
 mod trackball;
-#[doc(hidden)] // for the tests of this crate
 pub mod unsaved;
 mod unused_settings;
 mod window_state;

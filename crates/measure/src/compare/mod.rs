@@ -10,21 +10,17 @@
 //! has another noise, and a truth of its own.
 
 mod answers;
-#[doc(hidden)] // for the tests of this crate
 pub mod candidates;
 mod digits;
-#[doc(hidden)] // for the tests of this crate
 pub mod front;
 mod ground_truths;
 pub mod metrics;
 mod normals;
-#[doc(hidden)] // for the tests of this crate
 pub mod paper;
 mod refine;
 pub mod report;
 mod ssim;
 mod theory;
-#[doc(hidden)] // for the tests of this crate
 pub mod timing;
 
 pub use ground_truths::GroundTruth;

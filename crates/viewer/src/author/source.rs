@@ -97,10 +97,12 @@ impl Author {
         &self.gate
     }
 
+    /// Slot and name of the module.
     pub fn module(&self) -> (&str, &str) {
         (&self.slot, &self.name)
     }
 
+    /// Path of the module in the library, `slot/name.glsl`.
     pub fn path(&self) -> String {
         format!("{}/{}.glsl", self.slot, self.name)
     }

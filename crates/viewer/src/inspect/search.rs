@@ -29,7 +29,9 @@ pub struct Exact {
 /// Report on a pixel.
 #[derive(Clone, Debug, Default)]
 pub struct PixelReport {
+    /// Matter along the ray of the pixel, in f32 as on the device.
     pub ray: Option<Result<Vec<Along>, String>>,
+    /// Color of the pixel in f64, and its error.
     pub exact: Option<Result<Exact, String>>,
     /// Modules of its program by slot; those of additional objects have the object's name as prefix.
     pub modules: Vec<[String; 2]>,

@@ -63,6 +63,7 @@ impl Model {
         })
     }
 
+    /// The scene.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
