@@ -2,7 +2,7 @@
 
 use flate2::Compression;
 use flate2::write::DeflateEncoder;
-use glsl::{Library, LinkError, Linker, Slots, Stage};
+use hypertexture_glsl::{Library, LinkError, Linker, Slots, Stage};
 use std::error::Error;
 use std::fmt::Write as _;
 use std::io::Write;
@@ -23,7 +23,7 @@ const WINDOW: [&str; 3] = ["window.vert", "window.frag", "encode.comp"];
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo::rerun-if-changed=glsl");
-    test_switches::set();
+    hypertexture_test_switches::set();
     let root = PathBuf::from(env::var("CARGO_MANIFEST_DIR")?).join("glsl");
     let out = PathBuf::from(env::var("OUT_DIR")?);
     let library = Library::read(&root)?;

@@ -17,11 +17,11 @@ use bench::Spread;
 use hypertexture::render::{Renderer, Subject};
 use hypertexture::scene::Scene;
 use hypertexture::shader::{self, Library};
-use measure::compare::candidates::{Sweep, candidates};
-use measure::compare::{Row, Session, Settings, compare};
-use measure::metric::{Errors, Metric};
-use measure::pick::{ErrorBound, PickError, pick};
-use measure::reference::{TOLERANCE, reference, truth_of};
+use hypertexture_measure::compare::candidates::{Sweep, candidates};
+use hypertexture_measure::compare::{Row, Session, Settings, compare};
+use hypertexture_measure::metric::{Errors, Metric};
+use hypertexture_measure::pick::{ErrorBound, PickError, pick};
+use hypertexture_measure::reference::{TOLERANCE, reference, truth_of};
 use random_scene::{SplitMix, random_scene, within};
 use std::sync::Arc;
 

@@ -8,7 +8,7 @@
 use hypertexture::render::Subject;
 use hypertexture::scene;
 use hypertexture::shader;
-use measure::reference::{TOLERANCE, reference_pixels, truth_of};
+use hypertexture_measure::reference::{TOLERANCE, reference_pixels, truth_of};
 use std::time::Instant;
 
 /// Seconds of processor time of this process; 0 where the system does not say.

@@ -58,7 +58,9 @@ pub mod render;
 pub mod scene;
 pub mod shader;
 
-pub use {eval, field, noise, shape};
+pub use {
+    hypertexture_eval as eval, hypertexture_field as field, hypertexture_noise as noise, hypertexture_shape as shape,
+};
 
 /// Vectors and matrices, as this crate takes and gives them.
 pub use glam;

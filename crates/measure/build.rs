@@ -2,5 +2,5 @@
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
-    test_switches::set();
+    hypertexture_test_switches::set();
 }

@@ -57,8 +57,8 @@ impl Encoder {
 mod tests {
     use super::*;
     use crate::gpu::Options;
-    use support::random::SplitMix;
-    use support::validation_lock::ValidationLock;
+    use hypertexture_support::random::SplitMix;
+    use hypertexture_support::validation_lock::ValidationLock;
 
     /// sRGB code of linear light (IEC 61966-2-1).
     fn code(linear: f32) -> f32 {

@@ -4,9 +4,9 @@
 
 use super::instance::Instance;
 use ash::{DeviceFnV1_0, DeviceFnV1_3, Entry, vk};
+use hypertexture_support::faults::{fails, is_lost};
 use std::ffi::c_void;
 use std::sync::OnceLock;
-use support::faults::{fails, is_lost};
 
 /// Calls that report a lost device.
 pub(super) const LOSING: [&str; 3] = ["vkQueueSubmit2", "vkWaitForFences", "vkGetQueryPoolResults"];

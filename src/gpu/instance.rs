@@ -3,9 +3,9 @@
 use super::messages::{Messages, Messenger, create_info};
 use super::{GpuError, Named};
 use ash::vk;
+use hypertexture_support::memory;
 use std::ffi::{CStr, c_char};
 use std::thread::available_parallelism;
-use support::memory;
 
 /// MiB of address space for the loader, lavapipe and LLVM, and for each of their threads. With less, they end the process
 /// (`docs/notes/drivers.md`).
@@ -38,7 +38,7 @@ impl Instance {
     pub(super) fn new(validation: bool, extensions: &[*const c_char]) -> Result<Instance, GpuError> {
         #[cfg(test)]
         assert!(
-            !validation || support::validation_lock::ValidationLock::is_held(),
+            !validation || hypertexture_support::validation_lock::ValidationLock::is_held(),
             "a test with validation begins with ValidationLock::acquire()"
         );
         check_address_space()?;

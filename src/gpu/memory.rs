@@ -4,7 +4,7 @@ use super::{Gpu, GpuError};
 use ash::vk;
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
-use support::memory;
+use hypertexture_support::memory;
 
 /// Bytes of the memory blocks that small resources share.
 pub(super) const MEMORY_BLOCK: u64 = 16 << 20;

@@ -17,7 +17,7 @@ impl Messages {
 
     fn push(&self, message: String) {
         log::error!("{message}");
-        support::faults::note(&message);
+        hypertexture_support::faults::note(&message);
         self.0.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).push(message);
     }
 }

@@ -2,9 +2,9 @@
 
 use super::{Commands, Gpu, GpuError, Named};
 use ash::vk;
+use hypertexture_support::watchdog::Watchdog;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
-use support::watchdog::Watchdog;
 
 /// Timeout of a submission. Lower: slow devices fail on large images. Higher: a hang goes unnoticed; desktops reset the
 /// device after two seconds anyway.

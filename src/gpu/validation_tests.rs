@@ -6,9 +6,9 @@
 use super::format::COLOR;
 use super::*;
 use ash::vk;
-use glsl::{Library, Linker, Slots, Stage};
+use hypertexture_glsl::{Library, Linker, Slots, Stage};
+use hypertexture_support::validation_lock::ValidationLock;
 use std::sync::Arc;
-use support::validation_lock::ValidationLock;
 
 const SIDE: u32 = 8;
 const BYTES: usize = (SIDE * SIDE * 4) as usize;

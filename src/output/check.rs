@@ -2,11 +2,11 @@
 
 use super::OutputError;
 use super::format::FileFormat;
+use hypertexture_support::{destination, probe};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::io;
 use std::path::{Path, PathBuf};
-use support::{destination, probe};
 
 /// Checks that a picture can be written to a file, before anything is computed.
 ///

@@ -2,9 +2,9 @@
 
 use super::{OutputError, PROGRAM, check};
 use exr::prelude::{AnyChannel, AnyChannels, FlatSamples, Image, SmallVec, Text, Vec2, WritableImage};
+use hypertexture_support::write_whole;
 use std::io::Cursor;
 use std::path::Path;
-use support::write_whole;
 
 /// Writes named channels of 32-bit floats, row by row from the top, to an OpenEXR file.
 ///

@@ -6,11 +6,11 @@
 use crate::render::Measurements;
 use crate::scene::{self, Reach, Scene, SceneError, ShaderStage};
 use crate::shape::{BUILT_IN, MEMORY};
+use hypertexture_support::open;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::{fs, io, iter};
-use support::open;
 
 /// Name and version of this program.
 pub const PROGRAM: &str = concat!("hypertexture ", env!("CARGO_PKG_VERSION"));

@@ -7,11 +7,11 @@ use super::write::{over, straight};
 use crate::scene::{Color, srgb_to_linear};
 use exr::meta::MetaData;
 use exr::meta::attribute::{AttributeValue, Text};
+use hypertexture_support::open;
 use image::{DynamicImage, ImageFormat, ImageReader, Limits};
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
-use support::open;
 
 /// Longest side of a picture, pixels, as for rendering; and the memory limit of the decoder, bytes.
 const MAX_SIDE: u32 = 16_384;

@@ -6,13 +6,13 @@
 
 use crate::output::shard::Shard;
 use crate::scene::{Animation, Scene};
+use hypertexture_support::open::{self, OpenError};
+use hypertexture_support::{may_fail, write_whole};
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use support::open::{self, OpenError};
-use support::{may_fail, write_whole};
 
 /// Highest frame number.
 const MAX_FRAME: u32 = 9_999_999;

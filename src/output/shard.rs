@@ -8,13 +8,13 @@ use crate::output::{Depth, Provenance};
 use crate::render::{Frame, Measurements};
 use crate::scene::Color;
 use blake3::Hash;
+use hypertexture_support::open::{self, OpenError};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::io::{self, Read};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use support::open::{self, OpenError};
 
 /// Most shards of one picture.
 const MAX_COUNT: u32 = 65_536;

@@ -9,9 +9,9 @@ use exr::image::write::WritableImage;
 use exr::image::{Image, SpecificChannels};
 use exr::math::Vec2;
 use exr::meta::attribute::{AttributeValue, Text};
+use hypertexture_support::write_whole;
 use std::io::Cursor;
 use std::path::Path;
-use support::write_whole;
 
 /// Bits of each channel of a PNG.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -6,8 +6,8 @@
 use super::schema::{self, Kind, SETTINGS};
 use super::{Part, Scene, names as presets, parse_value, preset};
 use crate::shader::Library;
+use hypertexture_support::quoted;
 use std::path::Path;
-use support::quoted;
 use toml::Value;
 
 impl Scene {

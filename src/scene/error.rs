@@ -1,6 +1,6 @@
 //! Errors of scenes.
 
-use support::words::nearest;
+use hypertexture_support::words::nearest;
 
 /// Errors of scenes and scene files.
 #[allow(missing_docs, reason = "the names of the fields describe them")]

@@ -6,8 +6,8 @@ use super::renamed;
 use super::schema::{Kind, Setting, setting};
 use super::{Reach, Scene, SceneError, preset_texts};
 use crate::shape::BUILT_IN;
+use hypertexture_support::open;
 use std::path::Path;
-use support::open;
 
 /// Size limit of a scene file, bytes.
 pub const MAX_BYTES: u64 = 1 << 20;

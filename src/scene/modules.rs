@@ -2,8 +2,8 @@
 
 use super::{Scene, SceneError};
 use crate::shader::{self, Library};
+use hypertexture_support::open;
 use std::path::Path;
-use support::open;
 
 /// Size limit of the file of a module, bytes.
 const MAX_BYTES: u64 = 1 << 20;

@@ -1,8 +1,8 @@
 //! Files of a scene, and which of them it may name.
 
 use super::{GLSL, Scene, SceneError};
+use hypertexture_support::open::Home;
 use std::path::{Path, PathBuf};
-use support::open::Home;
 
 impl Scene {
     /// Possible files with their fields: inputs of the objects, the groom, and custom modules.

@@ -3,5 +3,5 @@
 pub mod compile;
 mod shipped;
 
-pub use glsl::*;
+pub use hypertexture_glsl::*;
 pub use shipped::{changed, shipped, shipped_with};

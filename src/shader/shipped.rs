@@ -1,6 +1,6 @@
 //! The shipped modules, embedded by `build.rs`.
 
-use glsl::Library;
+use hypertexture_glsl::Library;
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 

@@ -3,13 +3,13 @@
 #![allow(dead_code, reason = "each file of tests uses its part of this")]
 
 #[allow(unused_imports, reason = "each file of tests uses its part of this")]
-pub use measure::cases::{Level, Ray, box_subject, homogeneous, rays};
+pub use hypertexture_measure::cases::{Level, Ray, box_subject, homogeneous, rays};
 
 use hypertexture::gpu::{Gpu, Options};
 use hypertexture::render::{Frame, Subject, render};
 use hypertexture::scene::Scene;
 use hypertexture::shader::{self, Library};
-use measure::cases;
+use hypertexture_measure::cases;
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 

@@ -3,7 +3,7 @@
 use hypertexture::render::variant::Variant;
 use hypertexture::scene::{ParameterValue, Projection, Scene, preset};
 use hypertexture::shader::{self, ParameterKind};
-pub use support::random::SplitMix;
+pub use hypertexture_support::random::SplitMix;
 
 /// A number between two.
 pub fn within(random: &mut SplitMix, low: f64, high: f64) -> f64 {

@@ -6,8 +6,8 @@ use hypertexture::eval::{Affine, BoundProgram, F32Interval, Interval, Invocation
 use hypertexture::render::variant::Variant;
 use hypertexture::scene;
 use hypertexture::shader::{self, Library, Slots};
+use hypertexture_support::random::SplitMix;
 use std::collections::BTreeMap;
-use support::random::SplitMix;
 
 pub const POINT: &str = include_str!("../glsl/exact_point.glsl");
 const RAY: &str = include_str!("../glsl/exact_ray.glsl");

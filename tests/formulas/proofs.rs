@@ -6,9 +6,9 @@ use hypertexture::eval::{Inputs, Invocations};
 use hypertexture::render::variant::{Use, Variant};
 use hypertexture::scene::{ParameterValue, Projection, Scene, preset};
 use hypertexture::shader::{self, ParameterKind};
+use hypertexture_support::random::SplitMix;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
-use support::random::SplitMix;
 
 const HEAD: &str = "#version 450\n#include \"interface.glsl\"\n#include \"vector.glsl\"\n\
                     layout(location = 0) out vec4 fragment;\nPOINT\n";

@@ -5,9 +5,9 @@ use hypertexture::eval::{Texture, Wrap};
 use hypertexture::noise::{Noise, Weights};
 use hypertexture::render::texture::table_rows;
 use hypertexture::shader::{Parameter, ParameterKind};
+use hypertexture_support::random::SplitMix;
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
-use support::random::SplitMix;
 
 /// A number as GLSL has it: a literal, and every constant, is rounded to f32.
 pub fn c(value: f64) -> f64 {

@@ -8,7 +8,7 @@ use hypertexture::render::{Frame, Measurements};
 use hypertexture::scene::{self, Scene};
 use hypertexture::shader::{Formula, Library, Slots, shipped};
 use hypertexture::shape::{self, Content, Groom, Mesh, MeshFormat, Shape, Volume, VolumeFormat};
-use measure::cases::library;
+use hypertexture_measure::cases::library;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 

@@ -7,7 +7,7 @@ use hypertexture::render::variant::Variant;
 use hypertexture::render::{Frame, Subject, half_height};
 use hypertexture::scene::{Integration, ParameterValue, Part, Pass, Projection, Scene, Transform, preset};
 use hypertexture::shader::{self, Library};
-use measure::reference::{converged_settings, reference_pixels};
+use hypertexture_measure::reference::{converged_settings, reference_pixels};
 
 /// Modules that sum octaves: slot, and the frequency parameter of the first octave, for coarse and fine samples.
 struct Sum {

@@ -7,7 +7,7 @@ use hypertexture::noise::Lattice;
 use hypertexture::render::Frame;
 use hypertexture::scene::{ParameterValue, Projection, Scene, preset};
 use hypertexture::shader::{self, Library};
-use measure::compare::metrics::normal_angles;
+use hypertexture_measure::compare::metrics::normal_angles;
 
 /// Half the side of the square that is looked at, a little less than the face of the cube.
 const SIDE: f64 = 0.99;

@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3};
 use hypertexture::render::Subject;
 use hypertexture::scene::{Integration, Part, Pass, Projection, Scene};
 use hypertexture::shader;
-use measure::cases::Ray;
+use hypertexture_measure::cases::Ray;
 
 /// Few samples of a picture in which no edge is parallel to an axis of it.
 fn coarse(object: &str, projection: Projection, samples: u32) -> Scene {

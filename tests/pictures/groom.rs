@@ -6,7 +6,7 @@ use hypertexture::render::{Renderer, Subject};
 use hypertexture::scene::{EmptySpace, Scene, preset};
 use hypertexture::shader::{self, Linker};
 use hypertexture::shape::Groom;
-use measure::reference::reference_pixels;
+use hypertexture_measure::reference::reference_pixels;
 use std::path::Path;
 use std::sync::Arc;
 

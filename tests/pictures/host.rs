@@ -3,10 +3,10 @@
 
 use crate::common::{picture, subject, with_gpu};
 use ash::{Device, Entry, Instance, vk};
-use export::folder;
 use hypertexture::render::Portable;
 use hypertexture::scene::preset;
 use hypertexture::shader::shipped;
+use hypertexture_export::folder;
 use serde_json::Value;
 use std::collections::HashMap;
 use std::slice::from_ref;

@@ -6,7 +6,7 @@ use hypertexture::gpu::Gpu;
 use hypertexture::render::Subject;
 use hypertexture::scene::{Color, Curve, EmptySpace, ParameterValue, Pass, RayPath, Scene, preset};
 use hypertexture::shader::{self, Library};
-use measure::cases::{self, Case, Suite, clear};
+use hypertexture_measure::cases::{self, Case, Suite, clear};
 
 /// The shipped modules and those of these tests.
 fn library() -> Library {

@@ -3,7 +3,7 @@
 use crate::common::{difference, errors, formula, homogeneous, picture, subject, with_gpu};
 use hypertexture::scene::{EFFECTS, EmptySpace, Integration, Pass, Projection, preset};
 use hypertexture::shader;
-use measure::cases::{self, AnalyticCase, Lab, Level, PASSES, TWO_TONE, order, two_tone};
+use hypertexture_measure::cases::{self, AnalyticCase, Lab, Level, PASSES, TWO_TONE, order, two_tone};
 
 const PROJECTIONS: [Projection; 2] = [Projection::Parallel, Projection::Perspective];
 const DOUBLING: [u32; 6] = [32, 64, 128, 256, 512, 1024];

@@ -5,11 +5,11 @@ use super::sequence::{Interrupted, stop_flag};
 use super::{absolute, announced, say, say_json};
 use clap::Args;
 use hypertexture::gpu::{Gpu, Options};
-use measure::bench::{self, Change};
+use hypertexture_measure::bench::{self, Change};
+use hypertexture_support::{open, write_whole};
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
-use support::{open, write_whole};
 
 /// Timed runs of a row by default, and with `--quick`.
 const REPEAT: [usize; 2] = [7, 3];

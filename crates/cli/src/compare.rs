@@ -10,16 +10,16 @@ use hypertexture::gpu::{Gpu, Options};
 use hypertexture::output::{Depth, Provenance, encode_png};
 use hypertexture::render::{Frame, Subject, try_custom_modules};
 use hypertexture::scene::{Scene, to_text};
-use measure::compare::candidates::{Candidate, Sweep, candidates};
-use measure::compare::report::{self, Environment, Report};
-use measure::compare::{Comparison, Session, Settings, compare, paper};
-use measure::reference::{Reference, TOLERANCE, reference};
-use measure::worker::{Load, Worker};
+use hypertexture_measure::compare::candidates::{Candidate, Sweep, candidates};
+use hypertexture_measure::compare::report::{self, Environment, Report};
+use hypertexture_measure::compare::{Comparison, Session, Settings, compare, paper};
+use hypertexture_measure::reference::{Reference, TOLERANCE, reference};
+use hypertexture_measure::worker::{Load, Worker};
+use hypertexture_support::probe;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use support::probe;
 
 /// The object of the paper's tables, unless another is given.
 const OBJECT: &str = "teapot";

@@ -4,9 +4,9 @@ use super::{absolute, say};
 use clap::Args;
 use hypertexture::output;
 use hypertexture::shape::{self, MeshFormat, Opened, RawLayout, SampleType, Shape, VolumeFormat};
+use hypertexture_support::write_whole;
 use std::error::Error;
 use std::path::PathBuf;
-use support::write_whole;
 
 /// Arguments of `convert`.
 #[derive(Args)]

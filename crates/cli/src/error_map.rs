@@ -5,14 +5,14 @@ use super::{absolute, announced};
 use hypertexture::output::write_map;
 use hypertexture::render::Frame;
 use hypertexture::render::variant::Variant;
-use measure::compare::report::images::heat_png;
-use measure::metric::Errors;
-use measure::reference::{TOLERANCE, reference};
-use measure::statistics::largest;
+use hypertexture_measure::compare::report::images::heat_png;
+use hypertexture_measure::metric::Errors;
+use hypertexture_measure::reference::{TOLERANCE, reference};
+use hypertexture_measure::statistics::largest;
+use hypertexture_support::write_whole;
 use serde_json::{Value, json};
 use std::error::Error;
 use std::path::Path;
-use support::write_whole;
 
 /// Writes the map of a picture: .exr with the absolute error of each channel of premultiplied linear RGBA, as
 /// `estimate` how far the reference itself may be off, as far as samples say, and as `open` the opacity that they may have

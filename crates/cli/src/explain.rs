@@ -12,11 +12,11 @@ use hypertexture::render::{Frame, RenderError, Renderer, Subject, describe_frame
 use hypertexture::scene::{EmptySpace, Pass, Scene};
 use hypertexture::shader::Library;
 use hypertexture::shader::slots::FOLDED;
-use measure::statistics::{largest, quantile};
+use hypertexture_measure::statistics::{largest, quantile};
+use hypertexture_support::words;
 use serde::Serialize;
 use serde_json::json;
 use std::error::Error;
-use support::words;
 
 /// Pictures of each of two scenes that are compared.
 const PICTURES: usize = 3;

@@ -5,17 +5,17 @@ use super::scene_arguments::{ObjectFlags, SceneArguments};
 use super::session::check_folder;
 use super::{absolute, say, try_modules, with_device, with_progress};
 use clap::Args;
-use export::{File, Page, folder, page};
 use hypertexture::gpu::Options;
 use hypertexture::output::{self, Depth, Provenance, encode_png};
 use hypertexture::render::variant::Variant;
 use hypertexture::render::{Portable, RenderError, Subject, widest};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
+use hypertexture_export::{File, Page, folder, page};
+use hypertexture_support::write_whole;
 use std::error::Error;
 use std::fs::create_dir_all;
 use std::path::{Path, PathBuf};
-use support::write_whole;
 
 /// Arguments of `web`.
 #[derive(Args)]

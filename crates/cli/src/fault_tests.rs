@@ -8,16 +8,16 @@ use hypertexture::gpu::{Gpu, Options};
 use hypertexture::render::Subject;
 use hypertexture::scene::{Scene, preset};
 use hypertexture::shader::shipped;
-use measure::compare::candidates::Sweep;
-use measure::compare::{Session, Settings, compare};
-use measure::reference::Reference;
+use hypertexture_measure::compare::candidates::Sweep;
+use hypertexture_measure::compare::{Session, Settings, compare};
+use hypertexture_measure::reference::Reference;
+use hypertexture_support::faults::{self, fail_after, stop};
+use hypertexture_support::validation_lock::ValidationLock;
 use std::collections::{BTreeMap, BTreeSet};
 use std::error::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use support::faults::{self, fail_after, stop};
-use support::validation_lock::ValidationLock;
 
 /// Calls of which a failure costs time and nothing else: those of kept files.
 const DONE_WITHOUT: [&str; 3] = ["read", "create_dir", "vkGetPipelineCacheData"];

@@ -9,9 +9,9 @@ use hypertexture::render::{open, request};
 use hypertexture::scene::{Object, Scene};
 use hypertexture::shape::{Mesh, Shape, VolumeFormat};
 use hypertexture::{field, output};
+use hypertexture_support::{significant, write_whole};
 use std::error::Error;
 use std::path::PathBuf;
-use support::{significant, write_whole};
 
 /// Arguments of `field`.
 #[derive(Args)]

@@ -14,12 +14,12 @@ use hypertexture::render::variant::{Variant, VariantError};
 use hypertexture::render::{Frame, RenderError, Subject};
 use hypertexture::scene::{Color, EFFECTS, Object, ParameterValue, Scene, SceneError, names, preset, to_text};
 use hypertexture::shader::{self, Library, ParameterKind};
-use measure::worker::{Load, Painter, Start, Worker};
+use hypertexture_measure::worker::{Load, Painter, Start, Worker};
+use hypertexture_support::write_whole;
 use std::error::Error;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use support::write_whole;
 
 /// Arguments of `gallery`.
 #[derive(Args)]

@@ -9,9 +9,9 @@ use hypertexture::output;
 use hypertexture::render::{Channel, Subject, fill_channel};
 use hypertexture::scene::Scene;
 use hypertexture::shape::{self, Groom, Shape};
+use hypertexture_support::write_whole_by;
 use std::error::Error;
 use std::path::{Path, PathBuf};
-use support::write_whole_by;
 
 /// Arguments of `groom`.
 #[derive(Args)]

@@ -3,9 +3,9 @@
 use super::{say, say_json};
 use clap::Args;
 use hypertexture::shape::{Facts, Histogram};
+use hypertexture_support::{quoted, significant, words};
 use serde_json::json;
 use std::error::Error;
-use support::{quoted, significant, words};
 
 /// Rows of the histogram.
 const ROWS: usize = 16;

@@ -6,8 +6,8 @@ use super::gallery;
 use clap::Parser;
 use hypertexture::scene::{self, Color, Jitter, ParameterValue, Scene, preset};
 use hypertexture::shader;
-use support::random::SplitMix;
-use viewer::model::Model;
+use hypertexture_support::random::SplitMix;
+use hypertexture_viewer::model::Model;
 
 /// The words of a line, as `sh` reads them.
 fn words(line: &str) -> Vec<String> {

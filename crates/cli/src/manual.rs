@@ -8,11 +8,11 @@ use clap::Command;
 use clap_complete::Shell;
 use clap_mangen::Man;
 use hypertexture::scene::SceneError;
+use hypertexture_support::write_whole;
 use std::error::Error;
 use std::fs::create_dir_all;
 use std::io;
 use std::path::Path;
-use support::write_whole;
 
 /// Completion script of a shell.
 pub fn completions(shell: Shell) -> String {

@@ -12,9 +12,9 @@ use hypertexture::render::{PolygonizeError, Polygons, Subject, polygonize, polyg
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
 use hypertexture::shape::MeshFormat;
+use hypertexture_support::write_whole;
 use std::error::Error;
 use std::path::{Path, PathBuf};
-use support::write_whole;
 
 /// Arguments of `mesh`.
 #[derive(Args)]

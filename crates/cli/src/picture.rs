@@ -12,12 +12,12 @@ use hypertexture::render::{
 use hypertexture::scene::schema::{Kind, setting};
 use hypertexture::scene::{Pass, Scene};
 use hypertexture::shader::Library;
+use hypertexture_support::write_whole;
 use serde_json::{Map, Value, json};
 use std::error::Error;
 use std::io::Write;
 use std::path::Path;
 use std::time::Instant;
-use support::write_whole;
 
 /// Size of a voxel in pixels from which on edges look stepped.
 const SEEN_VOXEL: f32 = 6.0;

@@ -19,11 +19,11 @@ use hypertexture::gpu::Options;
 use hypertexture::scene::schema::{SETTINGS, Setting};
 use hypertexture::scene::{SceneError, parse_value};
 use hypertexture::shader::compile;
-use measure::{guard, worker};
+use hypertexture_measure::{guard, worker};
+use hypertexture_support::jobs::Parent;
 use std::error::Error;
 use std::ffi::OsString;
 use std::process::ExitCode;
-use support::jobs::Parent;
 
 /// Messages of Rust about numbers, and plainer ones.
 const NUMBERS: [(&str, &str); 3] = [
@@ -76,7 +76,7 @@ pub fn main() -> ExitCode {
         #[cfg(feature = "viewer")]
         Err(error) if error.is::<NoWindow>() => {
             complain(&format!("error: {error}"));
-            ExitCode::from(viewer::NO_WINDOW)
+            ExitCode::from(hypertexture_viewer::NO_WINDOW)
         }
         Err(error) => {
             complain(&format!("error: {error}{}", flag_of(&*error)));
@@ -122,11 +122,11 @@ fn flag_of(error: &(dyn Error + 'static)) -> String {
 /// Runs a command with the options of the program.
 fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
     log::start(arguments.quiet);
-    support::threads::start()?;
+    hypertexture_support::threads::start()?;
     let options = Options {
         device: arguments.device.filter(|name| !name.is_empty()),
         validation: std::env::var_os("HYPERTEXTURE_VALIDATION").is_some_and(|value| value == "1"),
-        cache: support::disk_cache::default_folder(),
+        cache: hypertexture_support::disk_cache::default_folder(),
     };
     carry_out(arguments.command, &options, arguments.quiet)
 }
@@ -179,7 +179,7 @@ pub(crate) fn carry_out(command: Command, options: &Options, quiet: bool) -> Res
                 guard::JOB => Ok(guard::serve(parent, options)?),
                 worker::JOB => Ok(worker::serve(parent, options)?),
                 #[cfg(feature = "viewer")]
-                viewer::FINAL_JOB => Ok(render_job::serve(parent, options)?),
+                hypertexture_viewer::FINAL_JOB => Ok(render_job::serve(parent, options)?),
                 job => Err(format!("no job `{job}`").into()),
             }
         }

@@ -16,20 +16,20 @@ use hypertexture::render::variant::Variant;
 use hypertexture::render::{Renderer, Subject, check_depth, try_custom_modules, unused_overrides};
 use hypertexture::scene::{self, Pass, Scene};
 use hypertexture::shader::Library;
-use measure::compare::{Failure, Session};
-use measure::guard::edited;
-use measure::metric::Metric;
-use measure::pick::{ErrorBound, Pick, Verified, remembered};
-use measure::predict::{Estimate, Prediction, predict};
-use measure::statistics::rounded_up;
-use measure::worker::{Load, Worker};
+use hypertexture_measure::compare::{Failure, Session};
+use hypertexture_measure::guard::edited;
+use hypertexture_measure::metric::Metric;
+use hypertexture_measure::pick::{ErrorBound, Pick, Verified, remembered};
+use hypertexture_measure::predict::{Estimate, Prediction, predict};
+use hypertexture_measure::statistics::rounded_up;
+use hypertexture_measure::worker::{Load, Worker};
+use hypertexture_support::write_whole;
 use serde_json::{Map, Value, json};
 use std::borrow::Cow;
 use std::error::Error;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use support::write_whole;
 
 /// Arguments of `render`.
 #[derive(Args)]

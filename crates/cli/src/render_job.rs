@@ -7,14 +7,14 @@ use clap::Parser;
 use hypertexture::gpu::Options;
 use hypertexture::render::variant::Variant;
 use hypertexture::{scene, shader};
+use hypertexture_support::jobs::Parent;
+use hypertexture_viewer::{RenderAnswer, RenderJob};
 use std::error::Error;
 use std::io;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::Duration;
-use support::jobs::Parent;
-use viewer::{RenderAnswer, RenderJob};
 
 /// Interval between messages of progress.
 const PERIOD: Duration = Duration::from_millis(100);

@@ -7,11 +7,11 @@ use hypertexture::output::{self, OutputError};
 use hypertexture::scene::{self, Color, ParameterValue, Pass, Reach, Scene, SceneError};
 use hypertexture::shader::declare::hex_color;
 use hypertexture::shape::BUILT_IN;
-use measure::metric::Metric;
+use hypertexture_measure::metric::Metric;
+use hypertexture_support::words::nearest;
 use std::error::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
-use support::words::nearest;
 
 /// Arguments of the object.
 pub type ObjectFlags = Flags<true>;

@@ -5,12 +5,12 @@ use hypertexture::render::RenderError;
 use hypertexture::render::variant::{Variant, VariantError};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
-use measure::guard;
-use measure::worker::{PATIENCE, Start};
+use hypertexture_measure::guard;
+use hypertexture_measure::worker::{PATIENCE, Start};
+use hypertexture_support::{probe, words};
 use std::error::Error;
 use std::io;
 use std::path::Path;
-use support::{probe, words};
 
 /// Opens the device and calls a function; once more if the device is lost meanwhile.
 pub(crate) fn with_device<T>(

@@ -5,11 +5,11 @@ use super::scene_arguments::{ObjectFlags, SceneArguments};
 use super::{absolute, announced, say};
 use clap::Args;
 use hypertexture::gpu::{Gpu, Options};
-use measure::cases::{self, Report, Row, Suite};
-use measure::sweep::{self, Corner, Sweep};
+use hypertexture_measure::cases::{self, Report, Row, Suite};
+use hypertexture_measure::sweep::{self, Corner, Sweep};
+use hypertexture_support::{quoted, write_whole};
 use std::error::Error;
 use std::path::PathBuf;
-use support::{quoted, write_whole};
 
 /// Arguments of `stress`.
 #[derive(Args)]

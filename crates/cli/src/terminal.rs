@@ -1,9 +1,9 @@
 //! Lines to standard output and standard error, as a terminal may see them.
 
+use hypertexture_support::words;
 use serde::Serialize;
 use std::io::Write;
 use std::sync::OnceLock;
-use support::words;
 
 /// Most characters of an error line; characters kept at both ends of a longer line, and of a long word in it.
 const LONGEST_LINE: usize = 599;

@@ -5,14 +5,14 @@ use super::{absolute, announced};
 use hypertexture::render::Frame;
 use hypertexture::render::variant::Variant;
 use hypertexture::scene::RayPath;
-use measure::compare::report::images::png_of;
-use measure::reference::{TOLERANCE, reference};
-use measure::validity::{Found, OPEN, TRUSTED, Validity, validity};
+use hypertexture_measure::compare::report::images::png_of;
+use hypertexture_measure::reference::{TOLERANCE, reference};
+use hypertexture_measure::validity::{Found, OPEN, TRUSTED, Validity, validity};
+use hypertexture_support::write_whole;
 use serde_json::{Value, json};
 use std::convert::Infallible;
 use std::error::Error;
 use std::path::Path;
-use support::write_whole;
 
 /// Writes the validity of a picture: doubtful pixels in the color of their cause, the others in grey.
 pub(super) fn write_validity(picture: &Picture<'_>, frame: &Frame, path: &Path) -> Result<Value, Box<dyn Error>> {

@@ -11,14 +11,14 @@ use hypertexture::output::{self, PROGRAM};
 use hypertexture::render::{Subject, render};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
-use measure::cases::{self, Suite};
-use measure::picture_check::{self, CheckError, CheckOptions, PixelTruth, Verdict};
-use measure::reference::{Reference, ReferenceError, TOLERANCE, converged_settings, reference_pixels};
+use hypertexture_measure::cases::{self, Suite};
+use hypertexture_measure::picture_check::{self, CheckError, CheckOptions, PixelTruth, Verdict};
+use hypertexture_measure::reference::{Reference, ReferenceError, TOLERANCE, converged_settings, reference_pixels};
+use hypertexture_support::words;
 use serde_json::json;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use support::words;
 
 /// Arguments of `verify`.
 #[derive(Args)]

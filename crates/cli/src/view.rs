@@ -3,11 +3,11 @@
 use super::scene_arguments::{ObjectFlags, SceneArguments, files_read, size};
 use clap::Args;
 use hypertexture::gpu::Options;
+use hypertexture_viewer::{self, Start, ViewError};
 use std::error::Error;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::time::Instant;
-use viewer::{self, Start, ViewError};
 
 /// Arguments of `view`.
 #[derive(Args)]
@@ -72,5 +72,5 @@ pub fn run(command: ViewArguments, options: Options) -> Result<(), Box<dyn Error
     }
     let ViewArguments { max_error, play, window, frames, screenshot, script, .. } = command;
     let start = Start { scene, library, options, max_error, play, window, frames, screenshot, script, began };
-    viewer::run(start).map_err(|error| NoWindow(error).into())
+    hypertexture_viewer::run(start).map_err(|error| NoWindow(error).into())
 }

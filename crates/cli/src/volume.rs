@@ -14,12 +14,12 @@ use hypertexture::render::{
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
 use hypertexture::shape::{self, Fog, FogGrid, FogLeaf, VolumeFormat};
+use hypertexture_support::{free_space, memory, significant, write_whole_by};
 use serde_json::{Value, json};
 use std::error::Error;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use support::{free_space, memory, significant, write_whole_by};
 
 /// Arguments of `volume`.
 #[derive(Args)]

@@ -9,8 +9,8 @@ use crate::optimize::bool_fold::fold_bools;
 use crate::optimize::flatten::flatten;
 use crate::optimize::tidy::{drop_unread, tidy};
 use crate::texture::{Texture, Wrap};
+use hypertexture_noise::Lattice;
 use naga::front::spv::Error as SpirvError;
-use noise::Lattice;
 use std::collections::BTreeMap;
 
 /// A program that has been read and lowered.
@@ -30,7 +30,7 @@ pub struct Inputs {
     pub images: BTreeMap<u32, Texture>,
     /// Samplers.
     pub samplers: BTreeMap<u32, Wrap>,
-    /// Noise in place of images: coordinates are in lattice cells, the level selects the [`Knots`](noise::Knots). The
+    /// Noise in place of images: coordinates are in lattice cells, the level selects the [`Knots`](hypertexture_noise::Knots). The
     /// gradient is in RGB, the value in A.
     pub noises: BTreeMap<u32, Lattice>,
     /// Bounds of the differences between the texels of images and those that a device reads.

@@ -3,7 +3,7 @@
 //! Texel i of n is centered at (i + 0.5) / n. Filter weights are not rounded as in hardware.
 
 use crate::pyramid::{FEW, Pyramid, range};
-use noise::{Knots, Lattice, NOISE_BOUND};
+use hypertexture_noise::{Knots, Lattice, NOISE_BOUND};
 use std::sync::OnceLock;
 
 /// Address mode for coordinates outside [0, 1].

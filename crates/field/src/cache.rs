@@ -8,11 +8,11 @@ use super::grid::{DistanceField, Grid};
 use super::request::{FieldReport, Progress, Request};
 use super::transform::{transform, transform_with_closest};
 use glam::Vec3;
-use shape::{Content, Shape, Solid};
+use hypertexture_shape::{Content, Shape, Solid};
+use hypertexture_support::disk_cache;
+use hypertexture_support::open::OpenError;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use support::disk_cache;
-use support::open::OpenError;
 
 /// A kind of file: magic, file extension, and decoding of a sample.
 struct Kind<T, const BYTES: usize> {
@@ -238,7 +238,7 @@ fn decode<T, const BYTES: usize>(kind: &Kind<T, BYTES>, bytes: &[u8], key: &Key)
 mod tests {
     use super::*;
     use glam::Mat3;
-    use shape::{Mesh, Volume};
+    use hypertexture_shape::{Mesh, Volume};
     use std::cell::Cell;
     use std::collections::HashSet;
     use std::fs;

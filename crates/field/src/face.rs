@@ -183,7 +183,7 @@ impl Face {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use support::random::SplitMix;
+    use hypertexture_support::random::SplitMix;
 
     #[test]
     fn axes_of_needles_are_orthogonal_and_of_length_one() {

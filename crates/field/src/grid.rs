@@ -3,8 +3,8 @@
 use super::error::FieldError;
 use super::request::Request;
 use glam::{DVec3, Mat3, Vec3};
+use hypertexture_shape::{Bounds, Content, Volume};
 use rayon::prelude::*;
-use shape::{Bounds, Content, Volume};
 
 /// A regular grid of samples in world space: x fastest, then y, then z.
 #[derive(Clone, Copy, Debug, PartialEq)]

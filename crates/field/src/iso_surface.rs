@@ -6,8 +6,8 @@
 use super::grid::Local;
 use super::tetra::{self, Triangle};
 use glam::DVec3;
+use hypertexture_shape::{Axes, Volume};
 use rayon::prelude::*;
-use shape::{Axes, Volume};
 
 /// Depth of the layer around the volume, over the largest difference to the iso-value. Lower makes caps wavy; higher
 /// degenerates them to slivers.

@@ -54,8 +54,8 @@ impl LevelSet {
 mod tests {
     use super::*;
     use glam::Vec3;
-    use shape::Mesh;
-    use support::random::SplitMix;
+    use hypertexture_shape::Mesh;
+    use hypertexture_support::random::SplitMix;
 
     /// The mesh of a level set; `part` gives the place of a vertex on its edge, from the sample inside.
     fn mesh(size: [u32; 3], set: &LevelSet, part: impl Fn([Vec3; 2]) -> f32) -> Mesh {

@@ -1,6 +1,6 @@
 //! Signed distance fields: positive outside, in world units, sampled on a grid.
 //!
-//! Role: [`transform`] computes a [`DistanceField`] from any [`shape::Shape`]; [`load_or_compute`] caches the result on disk.
+//! Role: [`transform`] computes a [`DistanceField`] from any [`hypertexture_shape::Shape`]; [`load_or_compute`] caches the result on disk.
 //! Invariant: every value is finite, has the sign of its side, and does not exceed the distance to the surface in magnitude,
 //! so that rays may skip space by it.
 

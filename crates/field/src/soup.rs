@@ -3,8 +3,8 @@
 use super::grid::Local;
 use super::tetra::Triangle;
 use glam::Vec3;
+use hypertexture_shape::Mesh;
 use rayon::prelude::*;
-use shape::Mesh;
 
 /// Triangles in voxel units, and properties of their edges.
 pub(super) struct Soup {

@@ -12,12 +12,12 @@ use super::stage::Stage;
 use super::winding::Winding;
 use super::{overlap, seal, sign};
 use glam::Vec3;
+use hypertexture_shape::{Content, MAX_COORDINATE, Mesh, Shape, Volume};
+use hypertexture_support::memory;
 use rayon::prelude::*;
-use shape::{Content, MAX_COORDINATE, Mesh, Shape, Volume};
 use std::cell::Cell;
 use std::ops::RangeInclusive;
 use std::time::Instant;
-use support::memory;
 
 /// Memory limit of a computation. Higher makes a laptop swap; lower refuses a cube of 512 samples a side.
 const MEMORY_LIMIT_BYTES: u64 = 2 << 30;

@@ -11,12 +11,12 @@ use hypertexture::render::{RenderError, Renderer, Subject, link_cells, try_custo
 use hypertexture::scene::{self, Object, Scene};
 use hypertexture::shader::compile::{self, CompileError};
 use hypertexture::shader::{self, Library, Linker};
+use hypertexture_support::jobs::{Child, Ended, Limits, Parent};
+use hypertexture_support::watchdog::processor_time;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io;
 use std::path::Path;
-use support::jobs::{Child, Ended, Limits, Parent};
-use support::watchdog::processor_time;
 
 /// Name of the job.
 pub const JOB: &str = "try";

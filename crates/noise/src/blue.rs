@@ -1,6 +1,6 @@
 //! Blue noise.
 
-use support::random::SplitMix;
+use hypertexture_support::random::SplitMix;
 
 /// Width of the energy around a point, texels. Lower overlooks clusters; higher orders points in a lattice.
 const SIGMA: f64 = 1.9;

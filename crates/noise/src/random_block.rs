@@ -1,7 +1,7 @@
 //! Blocks of filtered white noise.
 
+use hypertexture_support::random::SplitMix;
 use rayon::prelude::*;
-use support::random::SplitMix;
 
 /// White noise in four channels of `size`^3 texels, x fastest, blurred by a Gaussian of `blur` texels (GG 39.5) and scaled to
 /// [0, 1] with the mean 0.5.

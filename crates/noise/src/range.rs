@@ -194,7 +194,7 @@ fn differences<const AXIS: usize>(knots: [Knot; 8]) -> [Knot; 8] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use support::random::SplitMix;
+    use hypertexture_support::random::SplitMix;
 
     #[test]
     fn ranges_hold_every_value_and_gradient_and_are_narrow() {

@@ -3,7 +3,7 @@
 //! Source: PH 2.3 (n = 256).
 
 use super::weights::{Weights, absolute_sum};
-use support::random::SplitMix;
+use hypertexture_support::random::SplitMix;
 
 /// Seed of the tables and of random texels. A change changes every picture that uses them.
 pub const SEED: u64 = 1989;

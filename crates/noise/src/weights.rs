@@ -75,7 +75,7 @@ pub(super) fn absolute_sum(octaves: u32, octave: impl Fn(u32) -> ([f64; 3], f64)
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use support::random::SplitMix;
+    use hypertexture_support::random::SplitMix;
 
     /// Random points in [-32, 32]^3.
     pub(crate) fn points(count: u32) -> impl Iterator<Item = [f64; 3]> {

@@ -3,9 +3,9 @@
 //! Invariant: every message is one line with the file, the place if it is known, the value found, the limit, and the remedy.
 
 use super::BUILT_IN;
+use hypertexture_support::open::OpenError;
+use hypertexture_support::words;
 use std::{fmt, io};
-use support::open::OpenError;
-use support::words;
 
 /// Reason why a name or a file gives no [`Shape`](super::Shape).
 ///

@@ -4,10 +4,10 @@
 
 use super::{Content, Histogram, Mesh, Opened, Shape, ShapeError, Solid, Volume};
 use glam::{DVec3, Vec3};
+use hypertexture_support::significant;
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::ops::RangeInclusive;
-use support::significant;
 
 /// Slope at 0 of scalars that look like signed distances, per world unit.
 const SLOPE: RangeInclusive<f32> = 0.95..=1.05;

@@ -9,10 +9,10 @@ use flate2::read::GzDecoder;
 use flate2::write::GzEncoder;
 use glam::Vec3;
 use half::f16;
+use hypertexture_support::open;
 use std::io::{self, BufRead, Read, Write};
 use std::ops::RangeInclusive;
 use std::path::Path;
-use support::open;
 
 /// Half the side of the cube that a groom covers, object units: `GROOM_REACH` of `glsl/groom/volume.glsl`.
 const REACH: f32 = 1.125;

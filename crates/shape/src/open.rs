@@ -5,10 +5,10 @@
 use super::error::{Location, quoted, shown, unreadable};
 use super::source::Source;
 use super::{BUILT_IN, MEMORY, Shape, ShapeError, built_in, dicom, gltf, meta, nifti, nrrd, obj, ply, raw, stl, vdb};
+use hypertexture_support::open::{self as plain, OpenError};
+use hypertexture_support::words::nearest;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use support::open::{self as plain, OpenError};
-use support::words::nearest;
 
 /// One file format.
 struct Format {

@@ -9,8 +9,8 @@ use super::source::{Source, check_positions};
 use super::space::Space;
 use super::{Content, MAX_COORDINATE, MAX_VOXELS, Volume};
 use glam::{BVec3, DMat3, DVec3};
+use hypertexture_support::memory;
 use std::collections::TryReserveError;
-use support::memory;
 
 /// Higher: f32 rounding moves a sample by more than the 1/100 voxel that `Volume::sample` tolerates. Lower: micro-CT scans in
 /// scanner coordinates are refused.

@@ -6,11 +6,11 @@
 use super::error::{Found, Location, ShapeError, quoted, shown, unreadable};
 use super::{MAX_COORDINATE, MAX_TRIANGLES, Mesh, Shape};
 use glam::DVec3;
+use hypertexture_support::open::{self, Home, MARK, OpenError};
 use std::cell::RefCell;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Component, Path, PathBuf};
 use std::str::FromStr;
-use support::open::{self, Home, MARK, OpenError};
 
 /// Longest line in bytes, with its end.
 pub(super) const MAX_LINE: usize = 1 << 20;

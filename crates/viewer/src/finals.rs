@@ -9,6 +9,8 @@ use hypertexture::output::Animated;
 use hypertexture::output::sequence::{frame_path, manifest_path};
 use hypertexture::scene::{self, Color, Scene};
 use hypertexture::shader::{self, Library};
+use hypertexture_support::jobs::{Child, Limits};
+use hypertexture_support::open;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -16,8 +18,6 @@ use std::process::{Command, Stdio};
 use std::task::Poll;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
-use support::jobs::{Child, Limits};
-use support::open;
 
 /// Name of the job.
 pub const JOB: &str = "final";

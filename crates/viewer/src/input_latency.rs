@@ -1,8 +1,8 @@
 //! Input latency of the window, measured by the script step `orbit`.
 
+use hypertexture_support::watchdog;
 use std::fmt;
 use std::time::{Duration, Instant};
-use support::watchdog;
 
 /// Latency that feels immediate.
 const PROMPT: Duration = Duration::from_millis(100);

@@ -1,6 +1,6 @@
 //! Means of sub-frames with their errors, and resampling.
 
-use measure::statistics::rms_difference;
+use hypertexture_measure::statistics::rms_difference;
 use rayon::prelude::*;
 
 /// A mean of pictures with estimates of its error.
@@ -91,7 +91,7 @@ pub(super) fn resampled(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use support::random::SplitMix;
+    use hypertexture_support::random::SplitMix;
 
     #[test]
     fn the_error_of_a_mean_of_independent_pictures_is_what_it_says() {

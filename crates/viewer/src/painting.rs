@@ -7,11 +7,11 @@ use hypertexture::glam::Vec3;
 use hypertexture::render::Subject;
 use hypertexture::scene::Scene;
 use hypertexture::shape::{Brush, BrushKind, Groom};
+use hypertexture_support::{disk_cache, write_whole_by};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
-use support::{disk_cache, write_whole_by};
 
 /// Versions in memory; others are read from their files.
 const KEPT: usize = 8;

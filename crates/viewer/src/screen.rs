@@ -266,7 +266,7 @@ fn mesh(texture: TextureId, place: Rect, moved: impl Fn([f32; 2]) -> [f32; 2]) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use support::random::SplitMix;
+    use hypertexture_support::random::SplitMix;
 
     #[test]
     fn the_table_of_codes_is_right_to_a_code() {

@@ -94,7 +94,7 @@ fn on_ball([x, y]: [f64; 2]) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use support::random::SplitMix;
+    use hypertexture_support::random::SplitMix;
 
     #[test]
     fn m26_a_million_drags_leave_a_unit_quaternion() {

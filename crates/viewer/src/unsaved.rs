@@ -4,12 +4,12 @@ use super::author::Author;
 use super::model::Model;
 use hypertexture::scene::{self, Scene};
 use hypertexture::shader::{self, Library};
+use hypertexture_support::{open, write_whole};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 use std::time::SystemTime;
-use support::{open, write_whole};
 
 /// Shipped modules.
 static SHIPPED: LazyLock<Library> = LazyLock::new(shader::shipped);
@@ -90,7 +90,7 @@ impl Latest {
 
 /// Folders with unsaved work, the newest first.
 pub(super) fn kept() -> Vec<PathBuf> {
-    let root = support::disk_cache::default_folder().map(|folder| folder.join("unsaved"));
+    let root = hypertexture_support::disk_cache::default_folder().map(|folder| folder.join("unsaved"));
     let entries = root.and_then(|root| fs::read_dir(root).ok()).into_iter().flatten();
     let holds = |folder: &PathBuf| fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some());
     let mut folders: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).filter(holds).collect();
@@ -111,7 +111,7 @@ pub(super) fn modules(folder: &Path) -> Vec<PathBuf> {
 /// A new folder in the cache.
 fn folder() -> Option<PathBuf> {
     let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
-    Some(support::disk_cache::default_folder()?.join("unsaved").join(now.as_millis().to_string()))
+    Some(hypertexture_support::disk_cache::default_folder()?.join("unsaved").join(now.as_millis().to_string()))
 }
 
 /// Texts of modules that are neither shipped nor in a file, by path.

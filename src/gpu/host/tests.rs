@@ -6,9 +6,9 @@ use crate::gpu::{Dimension, Image, ImageUse, Load, Options, Target};
 use crate::render::{RenderError, Renderer, Subject, render};
 use crate::scene::{Order, Pass, Scene, preset};
 use crate::shader;
+use hypertexture_support::faults::{lose, turn_on};
+use hypertexture_support::validation_lock::ValidationLock;
 use std::collections::VecDeque;
-use support::faults::{lose, turn_on};
-use support::validation_lock::ValidationLock;
 
 const SIZE: [u32; 2] = [48, 40];
 const FORMAT: Format = Format::Rgba32Float;

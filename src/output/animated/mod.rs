@@ -5,10 +5,10 @@
 
 use super::OutputError;
 use super::provenance::PROGRAM;
+use hypertexture_support::write_whole;
 use image::RgbaImage;
 use serde_json::json;
 use std::path::{Path, PathBuf};
-use support::write_whole;
 
 /// Longest side of a sheet, pixels.
 const MAX_SIDE: u32 = 16_384;

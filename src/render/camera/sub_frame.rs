@@ -3,7 +3,7 @@
 //! Source: PH 3.1 suggests jittered rays and motion blur by rays over time.
 
 use crate::scene::{Jitter, Scene};
-use support::random::SplitMix;
+use hypertexture_support::random::SplitMix;
 
 /// Multiples of the golden ratio leave no large gap in [0, 1], whatever their number.
 const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_8;

@@ -10,12 +10,12 @@ use crate::render::error::RenderError;
 use crate::render::inputs::{ImageInfo, Inputs, Values, apart, blocks_at, texture, wrap};
 use crate::render::variant::{OCTAVES_ID, Program, Purpose, Resource, Variant, VariantError};
 use crate::shader::{Library, Linker};
+use hypertexture_support::disk_cache::{self, Kind};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
-use support::disk_cache::{self, Kind};
 
 /// Lowest and highest number of cells along a side.
 pub(super) const SIDES: [u32; 2] = [4, 64];

@@ -12,7 +12,7 @@ use crate::render::subject::Subject;
 use crate::render::variant::{OCTAVES_ID, Purpose, Variant, bindings};
 use crate::scene::{Order, Pass, Projection, RayPath, Scene, names, preset};
 use crate::shader::{self, Library, Linker, ParameterKind};
-use support::random::SplitMix;
+use hypertexture_support::random::SplitMix;
 
 /// Samples of the cells of one scene.
 const SAMPLES_OF_A_SCENE: usize = 20_000;

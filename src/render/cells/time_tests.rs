@@ -5,7 +5,7 @@ use super::tests::{Loaded, drawn, loaded};
 use crate::eval;
 use crate::scene::{Pass, preset};
 use crate::shader;
-use support::random::SplitMix;
+use hypertexture_support::random::SplitMix;
 
 /// Cells along a side.
 const SIDE: u32 = 16;

@@ -17,10 +17,10 @@ use crate::render::variant::{Checkable, Variant, bindings};
 use crate::scene::{Scene, ShaderStage};
 use crate::shader::{Library, Slots};
 use crate::shape::Groom;
+use hypertexture_support::watchdog::own_processor_time;
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
-use support::watchdog::own_processor_time;
 
 /// Renders a scene.
 ///
@@ -335,7 +335,7 @@ mod tests {
     use crate::gpu::Options;
     use crate::scene::{Pass, Proxy};
     use crate::shader;
-    use support::validation_lock::ValidationLock;
+    use hypertexture_support::validation_lock::ValidationLock;
 
     #[test]
     #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]

@@ -14,8 +14,8 @@ use crate::render::variant::{Program, Variant};
 use crate::scene::{Pass, ShaderStage};
 use crate::shader::slots::FOLDED;
 use crate::shader::{Library, Linker, Slots};
+use hypertexture_support::disk_cache::{self, Kind};
 use std::collections::BTreeMap;
-use support::disk_cache::{self, Kind};
 
 /// Samples of a picture from which on a trial pays. Higher: pictures of 300 x 300 are never tried. Lower: compiling the
 /// other programs takes longer than they save.

@@ -99,7 +99,7 @@ mod tests {
     use crate::render::{Subject, render};
     use crate::scene::{BlockFormat, preset};
     use crate::shader;
-    use support::validation_lock::ValidationLock;
+    use hypertexture_support::validation_lock::ValidationLock;
 
     #[test]
     #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]

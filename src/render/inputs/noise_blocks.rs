@@ -8,9 +8,9 @@ use crate::gpu::{Dimension, Format};
 use crate::noise::{Bake, Block, Noise, SEED, Weights, blue_noise, random_block, random_mean as mean_of_random};
 use crate::render::texture::{self, Depth};
 use crate::scene::{BlockFormat, Scene};
+use hypertexture_support::disk_cache::{self, Kind};
 use std::iter;
 use std::sync::{Mutex, OnceLock, PoisonError};
-use support::disk_cache::{self, Kind};
 
 /// Side of the tile of jitter phases, a power of two. Higher: slower to compute. Lower: visibly periodic.
 const PHASES: usize = 64;

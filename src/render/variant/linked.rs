@@ -6,8 +6,8 @@ use super::scene_variant::Variant;
 use crate::shader::compile::{CompileError, Job, Limits, compile, link, names};
 use crate::shader::library::Compiler;
 use crate::shader::{self, Library, LinkError, Linker, Slots, Stage};
+use hypertexture_support::disk_cache::{self, Kind};
 use std::collections::BTreeMap;
-use support::disk_cache::{self, Kind};
 
 /// SPIR-V of the vertex stage and the fragment stage.
 type Stages = [Vec<u32>; 2];

@@ -62,7 +62,7 @@ fn a_program_comes_back_from_the_disk_and_another_module_is_another_program() {
     (scene.effect.dmf, scene.effect.medium) = (vec!["own".into()], "lit".into());
     let variant = Variant::of(&scene, &library).unwrap();
     let first = variant.program(&library, Linker::new).unwrap();
-    if support::disk_cache::default_folder().is_some() {
+    if hypertexture_support::disk_cache::default_folder().is_some() {
         assert!(variant.program(&library, || unreachable!("it is on the disk")).unwrap() == first);
     }
     let other =

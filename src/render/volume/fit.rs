@@ -6,9 +6,9 @@ use super::plan::VoxelPlan;
 use crate::shape::FogLeaf;
 use glam::DVec3;
 use half::f16;
+use hypertexture_support::random::SplitMix;
 use rayon::prelude::*;
 use serde::Serialize;
-use support::random::SplitMix;
 
 /// Places at which the error is measured.
 const PLACES: usize = 100_000;

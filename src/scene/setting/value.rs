@@ -2,7 +2,7 @@
 
 use super::{Kind, Range, Setting};
 use crate::scene::SceneError;
-use support::words::nearest;
+use hypertexture_support::words::nearest;
 use toml::Value;
 
 impl Setting {

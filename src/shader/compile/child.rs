@@ -6,11 +6,11 @@
 use super::allowed::refusal;
 use super::error::{CompileError, Fault, MAX_SOURCE};
 use crate::shader::{self, Library, LinkError, Linker, Slots, Stage};
+use hypertexture_support::jobs::{Child, Limits, Parent};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io;
 use std::path::Path;
-use support::jobs::{Child, Limits, Parent};
 
 /// Name of the job.
 pub const JOB: &str = "compile";

@@ -1,7 +1,7 @@
 //! Errors of user text, with their places.
 
+use hypertexture_support::jobs::Ended;
 use std::path::{Path, PathBuf};
-use support::jobs::Ended;
 
 /// Longest module text that is compiled, in bytes.
 pub(super) const MAX_SOURCE: usize = 256 << 10;

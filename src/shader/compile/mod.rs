@@ -7,4 +7,4 @@ mod error;
 pub use allowed::refusal;
 pub use child::{JOB, Job, check_lengths, compile, link, names, serve};
 pub use error::{CompileError, Fault};
-pub use support::jobs::Limits;
+pub use hypertexture_support::jobs::Limits;

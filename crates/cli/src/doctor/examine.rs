@@ -94,7 +94,7 @@ impl Diagnosis {
             }
             Err(_) => self.line("validation", "unknown: there is no device to ask"),
         }
-        match (support::disk_cache::default_folder(), &options.cache) {
+        match (hypertexture_support::disk_cache::default_folder(), &options.cache) {
             (None, None) => {
                 self.line("caches", "nowhere, so that every start is slow: export HYPERTEXTURE_CACHE=/tmp/hypertexture")
             }
@@ -112,7 +112,7 @@ impl Diagnosis {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use support::validation_lock::ValidationLock;
+    use hypertexture_support::validation_lock::ValidationLock;
 
     #[test]
     #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]

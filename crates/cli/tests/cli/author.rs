@@ -4,13 +4,13 @@ use hypertexture::render::variant::Variant;
 use hypertexture::scene::{ParameterValue, preset};
 use hypertexture::shader::compile::{CompileError, Job, Limits, compile};
 use hypertexture::shader::{self, Library, Linker};
+use hypertexture_viewer::author::{Author, State};
+use hypertexture_viewer::model::Model;
+use hypertexture_viewer::unsaved::{self, Unsaved};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
-use viewer::author::{Author, State};
-use viewer::model::Model;
-use viewer::unsaved::{self, Unsaved};
 
 const RIPPLES: &str = "// Rings.\n// @param rings = 6 in [1, 40]: Number of rings.\nfloat ripples(float density, Sample s) {\n    \
                        return density * (0.5 + 0.5 * cos(rings * density));\n}\n";

@@ -6,9 +6,9 @@ use hypertexture::gpu::Format;
 use hypertexture::render::render;
 use hypertexture::scene::{self, Integration, Pass, Reach, Repeat, Scene, preset};
 use hypertexture::shader;
-use measure::compare::candidates::Sweep;
-use measure::compare::{Session, Settings, compare};
-use measure::reference::Reference;
+use hypertexture_measure::compare::candidates::Sweep;
+use hypertexture_measure::compare::{Session, Settings, compare};
+use hypertexture_measure::reference::Reference;
 use std::collections::{BTreeSet, HashMap};
 use std::fs;
 use std::path::Path;
@@ -213,7 +213,7 @@ fn more_samples_of_segments_turn_the_normals_less() {
         let found =
             compare(session, &scene, &Settings { sweep, repeat: 1 }, &mut compute_reference, &|_| (), &|_| ()).unwrap();
         let angle = |integration, samples| {
-            let is = |c: &measure::compare::candidates::Candidate| {
+            let is = |c: &hypertexture_measure::compare::candidates::Candidate| {
                 (c.curve().pass, c.curve().integration, c.samples()) == (Pass::March, integration, samples)
             };
             found.rows.iter().find(|row| is(&row.candidate)).unwrap().normals.unwrap().mean

@@ -5,7 +5,7 @@ use crate::program::{command, run};
 use hypertexture::render::{Renderer, render};
 use hypertexture::scene::{Pass, preset};
 use hypertexture::shader;
-use measure::predict::predict;
+use hypertexture_measure::predict::predict;
 use std::fs;
 use std::path::Path;
 use std::process::Command;

@@ -5,9 +5,9 @@ use egui::accesskit::{Action, ActionRequest, Role};
 use egui::{Event, Id, Key, Modifiers, Rect, Shape, TextEdit};
 use egui_kittest::kittest::{NodeT, Queryable};
 use hypertexture::scene::preset;
+use hypertexture_viewer::author::State;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
-use viewer::author::State;
 
 fn editor() -> Hand {
     let mut hand = Hand::new(preset("fur").unwrap());

@@ -6,12 +6,12 @@ use egui::accesskit::{Action, Role};
 use egui_kittest::kittest::{NodeT, Queryable};
 use hypertexture::scene::{self, preset};
 use hypertexture::shader;
+use hypertexture_viewer::message::Message;
+use hypertexture_viewer::model::Model;
 use std::collections::BTreeSet;
 use std::fs;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
-use viewer::message::Message;
-use viewer::model::Model;
 
 fn has(hand: &Hand, name: &str) -> bool {
     hand.0.query_all_by_label(name).next().is_some()
@@ -109,7 +109,7 @@ fn words_are_those_of_the_field_and_numbers_have_their_units() {
     hand.set("camera.elevation", 25.0);
     hand.click("add object");
     assert!(shown(&hand, "Transform"));
-    use viewer::panels::widgets::unit;
+    use hypertexture_viewer::panels::widgets::unit;
     let of = |name: &str| unit(scene::schema::setting(name).unwrap().doc);
     for (unit, names) in [
         ("\u{b0}", &["camera.azimuth", "camera.elevation", "camera.field_of_view", "transform.turn"][..]),

@@ -4,12 +4,12 @@ use super::Hand;
 use egui::{Event, Key};
 use egui_kittest::kittest::Queryable;
 use hypertexture::scene::preset;
+use hypertexture_viewer::author::{State, WATCH};
+use hypertexture_viewer::panels::Request;
 use std::fs;
 use std::path::PathBuf;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
-use viewer::author::{State, WATCH};
-use viewer::panels::Request;
 
 /// The editor keeps the focus while errors appear and disappear around it.
 #[test]

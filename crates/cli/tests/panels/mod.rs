@@ -16,13 +16,13 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use hypertexture::scene::{self, Color, ParameterValue, Pass, Scene, preset};
 use hypertexture::shader;
+use hypertexture_viewer::author::State;
+use hypertexture_viewer::model::Model;
+use hypertexture_viewer::panels::{Panels, Request, Status};
 use paint::Painter;
 use std::path::{Path, PathBuf};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
-use viewer::author::State;
-use viewer::model::Model;
-use viewer::panels::{Panels, Request, Status};
 
 const SIZE: [usize; 2] = [1280, 1600];
 const SECTIONS: [&str; 9] =

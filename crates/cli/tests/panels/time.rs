@@ -5,8 +5,8 @@ use egui::Key;
 use egui::accesskit::Action;
 use egui_kittest::kittest::{NodeT, Queryable};
 use hypertexture::scene::{Camera, Ease, Track, preset};
-use viewer::panels::Request;
-use viewer::playback::Playback;
+use hypertexture_viewer::panels::Request;
+use hypertexture_viewer::playback::Playback;
 
 #[test]
 fn the_timeline_plays_scrubs_and_repeats_by_mouse_and_keys() {

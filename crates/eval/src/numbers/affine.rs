@@ -12,7 +12,7 @@ use super::segment_bounds::SegmentBounds;
 use crate::integer_splits::IntegerSplits;
 use crate::number::{Binary, Comparison, Domain, Number, Unary, packed};
 use crate::texture::Image;
-use noise::{Knots, Lattice, ROUNDED};
+use hypertexture_noise::{Knots, Lattice, ROUNDED};
 
 /// A number along a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]

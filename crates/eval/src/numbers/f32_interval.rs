@@ -224,7 +224,7 @@ mod tests {
     #[test]
     fn noise_at_an_unknown_position_stays_within_its_bound() {
         use crate::Affine;
-        use noise::{Lattice, NOISE_BOUND};
+        use hypertexture_noise::{Lattice, NOISE_BOUND};
         let image = Image::of_noise(Lattice::default());
         let known = Interval { lo: 0.5, hi: 0.5 };
         for unknown in [Interval::WHOLE, Interval { lo: 0.0, hi: f64::INFINITY }] {

@@ -1,7 +1,7 @@
 //! Meshes with holes, overlaps and bad winding.
 
 use super::*;
-use support::random::SplitMix;
+use hypertexture_support::random::SplitMix;
 
 /// Asserts that the field is continuous, also where a hole was closed.
 fn assert_continuous(field: &DistanceField, band: f32) {

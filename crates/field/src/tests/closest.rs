@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::{ClosestPoints, Grid, transform_with_closest};
-use shape::{Solid, Volume};
+use hypertexture_shape::{Solid, Volume};
 
 const REQUEST: Request = Request { resolution: 40, margin: 0.3, band: 0.3, iso: 0.0, shell: 0.0 };
 
@@ -87,7 +87,7 @@ fn p55_a_scalar_volume_has_the_closest_points_of_its_iso_surface() {
         origin: grid.origin,
         steps: Mat3::from_diagonal(spacing),
         values,
-        content: shape::Content::Scalar,
+        content: hypertexture_shape::Content::Scalar,
     };
     let (field, closest, _) = transform_with_closest(&Shape::Volume(volume), &REQUEST, &|_| {}).unwrap();
     let (off, farther) = worst(&field, &closest, REQUEST.band, |p| p.length() - 1.0);

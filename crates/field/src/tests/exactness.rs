@@ -1,7 +1,7 @@
 //! Values and signs of closed meshes and formulas.
 
 use super::*;
-use shape::Solid;
+use hypertexture_shape::Solid;
 
 fn compare_with_brute_force(mesh: &Mesh, field: &DistanceField, band: f32, truth: impl Fn(Vec3) -> f32, facets: f32) {
     let voxel = f64::from(field.grid.spacing.x);

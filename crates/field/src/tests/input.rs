@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::FieldError;
-use shape::{Content, Solid, Volume};
-use support::random::SplitMix;
+use hypertexture_shape::{Content, Solid, Volume};
+use hypertexture_support::random::SplitMix;
 
 fn error(shape: Shape, request: Request) -> FieldError {
     transform(&shape, &request, &|_| {}).unwrap_err()

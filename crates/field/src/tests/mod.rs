@@ -10,7 +10,7 @@ mod shell;
 
 use super::{DistanceField, FieldReport, Request, transform};
 use glam::{DVec3, Mat3, Vec3};
-use shape::{Mesh, Shape};
+use hypertexture_shape::{Mesh, Shape};
 use std::collections::HashMap;
 
 /// The field of a mesh; margin and band in world units.

@@ -3,7 +3,7 @@
 use super::*;
 use crate::FieldError;
 use glam::DMat3;
-use shape::{Content, Volume};
+use hypertexture_shape::{Content, Volume};
 
 /// An ellipsoid at the origin, in f64.
 struct Ellipsoid(DVec3);

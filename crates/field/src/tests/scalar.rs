@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::FieldError;
-use shape::{Content, Volume};
+use hypertexture_shape::{Content, Volume};
 
 /// Samples of a sphere's smooth scalar: `radius - distance`, so that the iso-value 0 is the sphere.
 fn ball(size: [u32; 3], spacing: Vec3, radius: f32) -> Volume {

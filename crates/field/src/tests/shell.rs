@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::{FieldError, transform_with_closest};
-use shape::{Content, Solid, Volume};
+use hypertexture_shape::{Content, Solid, Volume};
 
 const REQUEST: Request = Request { resolution: 40, margin: 0.2, band: 0.25, iso: 0.0, shell: 0.3 };
 

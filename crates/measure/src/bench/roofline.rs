@@ -140,7 +140,7 @@ mod tests {
     use super::super::suite::library;
     use super::*;
     use hypertexture::gpu::Options;
-    use support::validation_lock::ValidationLock;
+    use hypertexture_support::validation_lock::ValidationLock;
 
     fn counts(gpu: &Gpu, scene: &Scene) -> Counts {
         let subject = Subject::load(scene, &library(), &|_| ()).unwrap();

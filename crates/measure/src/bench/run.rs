@@ -3,8 +3,8 @@
 use hypertexture::render::{Measurements, RenderError, Renderer};
 use hypertexture::scene::Scene;
 use hypertexture::{field, shape};
+use hypertexture_support::watchdog::own_processor_time;
 use std::time::Instant;
-use support::watchdog::own_processor_time;
 
 /// A run of a row, milliseconds.
 #[derive(Clone, Copy)]

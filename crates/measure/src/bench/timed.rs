@@ -10,8 +10,8 @@ use hypertexture::render::{RenderError, Renderer, Subject};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
 use hypertexture::{field, shape};
+use hypertexture_support::random::SplitMix;
 use serde::{Deserialize, Serialize};
-use support::random::SplitMix;
 
 /// All times of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -225,8 +225,8 @@ mod tests {
     use super::super::suite::library;
     use super::*;
     use hypertexture::gpu::Options;
-    use support::faults;
-    use support::validation_lock::ValidationLock;
+    use hypertexture_support::faults;
+    use hypertexture_support::validation_lock::ValidationLock;
 
     #[test]
     #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]

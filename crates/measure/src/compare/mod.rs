@@ -34,12 +34,12 @@ use hypertexture::gpu::Gpu;
 use hypertexture::render::{Frame, RenderError, Subject};
 use hypertexture::scene::{Color, Scene, SceneError};
 use hypertexture::shader::{Library, LibraryError};
+use hypertexture_support::random::SplitMix;
 use metrics::{Angles, Metrics};
 use normals::Normals;
 use std::cell::Cell;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use support::random::SplitMix;
 use timing::{FEWEST_RUNS, Run, Spread, interleave};
 
 /// Background of a scene that has none, where a person looks at the picture: that of the gallery.

@@ -4,8 +4,8 @@
 //! run is dropped.
 
 use crate::statistics::quantile;
+use hypertexture_support::random::SplitMix;
 use serde::{Deserialize, Serialize};
-use support::random::SplitMix;
 
 /// Factor of the 95th percentile above the median from which on times are unsteady.
 const UNSTEADY: f64 = 1.25;

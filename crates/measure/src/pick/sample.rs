@@ -6,7 +6,7 @@
 //! the worst of chance 1, or [`UNSEEN`] times the worst of the others. Sources: Horvitz and Thompson 1952 (weights); Chernoff 1952 (the
 //! lower tail of a sum of independent terms).
 
-use support::random::SplitMix;
+use hypertexture_support::random::SplitMix;
 
 /// Probability of a broken bound. Lower: more pixels are compared. Higher: one of the thousand bounds of 200 picks breaks.
 const RISK: f64 = 1e-5;

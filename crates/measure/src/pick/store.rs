@@ -4,8 +4,8 @@ use super::bound::{ErrorBound, Pick, PickError, Verified};
 use crate::compare::Session;
 use hypertexture::output::identity_of_texts;
 use hypertexture::scene::{self, Scene};
+use hypertexture_support::disk_cache::{self, Kind};
 use serde::{Deserialize, Serialize};
-use support::disk_cache::{self, Kind};
 
 /// Raise it when the same scene may give another pick.
 const VERSION: u32 = 10;

@@ -15,10 +15,10 @@ use hypertexture::output::{self, OutputError, PROGRAM, Stored};
 use hypertexture::render::{Frame, RenderError, Subject, render};
 use hypertexture::scene::{Reach, Scene, SceneError};
 use hypertexture::shader::Library;
+use hypertexture_support::random::SplitMix;
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::Path;
-use support::random::SplitMix;
 
 /// Error of a pixel, relative to that of the step in its neighborhood, from which it counts as unexplained. Lower: kinks
 /// that a step happens to meet count as errors. Higher: errors count as kinks.

@@ -5,7 +5,7 @@ use hypertexture::output::identity_of_texts;
 use hypertexture::render::variant::Variant;
 use hypertexture::render::{RenderError, Subject};
 use hypertexture::shader::Library;
-use support::disk_cache::{self, Kind};
+use hypertexture_support::disk_cache::{self, Kind};
 
 /// Version of the references; raise it with any change of their values.
 const VERSION: u32 = 7;

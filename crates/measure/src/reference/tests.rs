@@ -6,7 +6,7 @@ use super::transport::Matter;
 use super::*;
 use hypertexture::scene::{Boolean, parse, preset};
 use hypertexture::{eval::BoundProgram, shader};
-use support::random::SplitMix;
+use hypertexture_support::random::SplitMix;
 
 /// Three objects that are turned, each with a warp of its own.
 const SEVERAL: &str = r##"

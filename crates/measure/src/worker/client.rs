@@ -5,10 +5,10 @@ use hypertexture::gpu::Gpu;
 use hypertexture::render::{Frame, RenderError, Renderer, Subject};
 use hypertexture::scene::{Scene, to_text};
 use hypertexture::shader::{self, Library};
+use hypertexture_support::jobs::{Child, Ended, Limits};
 use std::cell::RefCell;
 use std::path::PathBuf;
 use std::time::Duration;
-use support::jobs::{Child, Ended, Limits};
 
 /// Processor time allowed for a picture of any size: device, object, pipeline.
 pub const PATIENCE: Duration = Duration::from_secs(120);

@@ -5,9 +5,9 @@ use hypertexture::gpu::{Gpu, GpuError, Options};
 use hypertexture::render::{Frame, RenderError, Renderer, Subject};
 use hypertexture::scene::{self, Scene};
 use hypertexture::shader::{self, Library};
+use hypertexture_support::jobs::Parent;
 use std::collections::HashMap;
 use std::io;
-use support::jobs::Parent;
 
 /// Reads a task and answers requests until the input ends.
 ///

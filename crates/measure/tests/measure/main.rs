@@ -1,8 +1,6 @@
 //! Measurements on a device: the cases of `verify` and `stress`, the f64 reference, and picks within an error.
 #![allow(clippy::unwrap_used, reason = "a test fails where a picture is not as described")]
 
-extern crate hypertexture_measure as measure;
-
 #[path = "../../../../tests/common/mod.rs"]
 mod common;
 #[allow(dead_code, reason = "other tests use the rest of it")]

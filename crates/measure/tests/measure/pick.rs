@@ -4,10 +4,10 @@ use crate::common::{picture, subject, with_gpu};
 use crate::random_scene::{SplitMix, random_scene, within};
 use hypertexture::scene::{Scene, preset};
 use hypertexture::shader;
-use measure::compare::Session;
-use measure::metric::Metric;
-use measure::pick::{ErrorBound, PickError, pick};
-use measure::reference::{reference_pixels, truth_of};
+use hypertexture_measure::compare::Session;
+use hypertexture_measure::metric::Metric;
+use hypertexture_measure::pick::{ErrorBound, PickError, pick};
+use hypertexture_measure::reference::{reference_pixels, truth_of};
 
 /// Root of the mean square error of a picture, and the error of the reference, all of its pixels looked at.
 fn rmse(gpu: &hypertexture::gpu::Gpu, scene: &Scene) -> f64 {

@@ -5,9 +5,9 @@ use glam::DVec3;
 use hypertexture::render::Subject;
 use hypertexture::scene::{Curve, EFFECTS, Filter, Integration, Pass, Scene, names, parse, preset};
 use hypertexture::shader::{self, Library};
-use measure::cases::{self, AnalyticCase, rays};
-use measure::reference::{TOLERANCE, reference, reference_pixels, truth_of};
-use measure::validity::{TRUSTED, validity};
+use hypertexture_measure::cases::{self, AnalyticCase, rays};
+use hypertexture_measure::reference::{TOLERANCE, reference, reference_pixels, truth_of};
+use hypertexture_measure::validity::{TRUSTED, validity};
 
 /// Light and estimate of every pixel.
 fn found(library: &Library, scene: &Scene, subject: &Subject, tolerance: f64) -> Vec<([f64; 4], f64)> {

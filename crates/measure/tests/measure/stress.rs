@@ -3,8 +3,8 @@
 use crate::common::{with_gpu, with_gpus};
 use hypertexture::scene::{ParameterValue, preset};
 use hypertexture::shader::{self, Library};
-use measure::cases::{self, CASES, Case, Report, Row, Suite, chart_page, library, suite, table};
-use measure::sweep::sweep;
+use hypertexture_measure::cases::{self, CASES, Case, Report, Row, Suite, chart_page, library, suite, table};
+use hypertexture_measure::sweep::sweep;
 
 fn of(numbers: &[u32]) -> Vec<Case> {
     suite(Suite::Stress).filter(|case| numbers.contains(&case.number)).collect()

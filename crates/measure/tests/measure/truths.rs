@@ -2,7 +2,9 @@
 
 use crate::common::{rays, with_gpu, with_gpus};
 use hypertexture::scene::{Pass, Projection};
-use measure::cases::{self, AnalyticCase, Case, Lab, Measure, Report, Row, SLANTED, SOFT_BALLS, Suite, suite};
+use hypertexture_measure::cases::{
+    self, AnalyticCase, Case, Lab, Measure, Report, Row, SLANTED, SOFT_BALLS, Suite, suite,
+};
 use std::time::Instant;
 
 fn run(gpus: &[hypertexture::gpu::Gpu], chosen: &[Case]) -> Report {

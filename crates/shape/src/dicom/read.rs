@@ -11,10 +11,10 @@ use super::series::{Layout, Member, layout, without_others};
 use crate::Shape;
 use crate::error::{Location, ShapeError, first_few, shown};
 use crate::source::Source;
+use hypertexture_support::open::Home;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
-use support::open::Home;
 
 /// Most files of a folder: five times the slices of a whole body.
 const MAX_FILES: usize = 10_000;

@@ -5,13 +5,13 @@
 
 use crate::error::{Location, ShapeError, quoted, shown};
 use crate::source::Source;
+use hypertexture_support::open::MARK;
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, IgnoredAny, SeqAccess, Visitor};
 use serde_json::error::Category;
 use std::borrow::Cow;
 use std::fmt;
 use std::marker::PhantomData;
-use support::open::MARK;
 
 /// Most entries of a list: an entry in memory is up to 30 times as long as its text.
 const MAX_ENTRIES: usize = 1 << 20;

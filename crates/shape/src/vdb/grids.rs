@@ -10,7 +10,7 @@ use super::metadata::{Descriptor, Metadata};
 use crate::Shape;
 use crate::error::{Location, ShapeError, first_few, quoted};
 use crate::source::Source;
-use support::memory;
+use hypertexture_support::memory;
 
 /// Conventional name of the grid of a fog volume.
 const DENSITY: &str = "density";

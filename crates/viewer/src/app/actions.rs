@@ -7,9 +7,9 @@ use crate::panels::{Question, Request, SIDES};
 use crate::worker::Variant;
 use egui::Ui;
 use hypertexture::scene::{self, Camera, Scene};
-use measure::metric::Metric;
-use measure::pick::{ErrorBound, Pick};
-use measure::statistics::rounded_up;
+use hypertexture_measure::metric::Metric;
+use hypertexture_measure::pick::{ErrorBound, Pick};
+use hypertexture_measure::statistics::rounded_up;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 

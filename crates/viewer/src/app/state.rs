@@ -24,10 +24,10 @@ use hypertexture::gpu::{Gpu, Image, Options};
 use hypertexture::render::ViewPose;
 use hypertexture::scene::{self, Camera, Scene};
 use hypertexture::shader::Library;
+use hypertexture_support::disk_cache;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
-use support::disk_cache;
 
 /// Arguments of the window.
 pub struct Start {

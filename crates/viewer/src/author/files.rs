@@ -1,9 +1,9 @@
 //! Names and files of modules.
 
+use hypertexture_support::open;
 use std::fs;
 use std::path::Path;
 use std::time::SystemTime;
-use support::open;
 
 /// Size limit of a module file, bytes.
 pub(crate) const MAX_FILE: u64 = 1 << 20;

@@ -4,7 +4,7 @@
 use hypertexture::scene::Scene;
 use hypertexture::shader::compile::{CompileError, Job};
 use hypertexture::shader::{Library, shipped};
-use measure::guard::{RAYS, own_files, programs, try_modules};
+use hypertexture_measure::guard::{RAYS, own_files, programs, try_modules};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard};

@@ -7,12 +7,12 @@ use crate::background::{Background, silent};
 use crate::model::Model;
 use hypertexture::shader::compile::{CompileError, Fault};
 use hypertexture::shader::{self, Library};
+use hypertexture_support::write_whole;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::task::Poll;
 use std::time::{Duration, Instant, SystemTime};
-use support::write_whole;
 
 /// Interval between looks at a watched file. Editors replace files: time and length identify a version better than
 /// the inode.

@@ -4,7 +4,7 @@ use hypertexture::render::variant::VariantError;
 use hypertexture::scene::{Pass, Scene};
 use hypertexture::shader::Library;
 use hypertexture::shader::declare::declaration;
-use measure::guard::programs;
+use hypertexture_measure::guard::programs;
 use std::collections::BTreeSet;
 
 /// The first scene whose programs include the module: the current one, or a similar one. `None` if no scene does.

@@ -5,7 +5,7 @@ use hypertexture::render::variant::{Variant as Program, slot_of};
 use hypertexture::render::{Along, Subject, density_along};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
-use measure::reference::{TOLERANCE, reference_pixels, truth_of};
+use hypertexture_measure::reference::{TOLERANCE, reference_pixels, truth_of};
 use std::sync::Arc;
 use std::task::Poll;
 

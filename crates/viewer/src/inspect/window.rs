@@ -8,7 +8,7 @@ use egui::{
     Vec2, Window, pos2, vec2,
 };
 use hypertexture::render::Along;
-use measure::reference::UNSEEN;
+use hypertexture_measure::reference::UNSEEN;
 
 /// Height of the density plot, points.
 const PLOT: f32 = 96.0;

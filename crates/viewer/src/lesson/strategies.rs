@@ -5,9 +5,9 @@ use crate::worker::Variant;
 use hypertexture::gpu::Gpu;
 use hypertexture::render::{RenderError, Renderer};
 use hypertexture::scene::{Pass, Scene};
-use measure::compare::candidates::Sweep;
-use measure::compare::{Row, Session, Settings, compare};
-use measure::reference::reference;
+use hypertexture_measure::compare::candidates::Sweep;
+use hypertexture_measure::compare::{Row, Session, Settings, compare};
+use hypertexture_measure::reference::reference;
 use std::sync::Arc;
 use std::task::Poll;
 

@@ -13,7 +13,7 @@ use egui::{Color32, Label, Rect, RichText, Slider, SliderClamping, Stroke, Textu
 use hypertexture::noise::{Lattice, Period};
 use hypertexture::render::variant::Variant as Program;
 use hypertexture::scene::{ParameterValue, Pass};
-use measure::cases::{bias, gain};
+use hypertexture_measure::cases::{bias, gain};
 
 /// Pages with their names and descriptions.
 const PAGES: [(Page, &str, &str, &str); 3] = [

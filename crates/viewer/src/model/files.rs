@@ -6,10 +6,10 @@ use crate::painting::is_version;
 use hypertexture::output::{OutputError, read_provenance};
 use hypertexture::scene::{self, Reach, Scene, SceneError};
 use hypertexture::shader::Library;
-use measure::guard::edited;
+use hypertexture_measure::guard::edited;
+use hypertexture_support::{open, write_whole};
 use std::fs;
 use std::path::Path;
-use support::{open, write_whole};
 
 impl Model {
     /// Opens a scene file, or the scene of a picture; a file of any other kind becomes the object.

@@ -1,9 +1,9 @@
 //! Bookmarks of views, which persist.
 
 use hypertexture::scene::Camera;
+use hypertexture_support::{open, write_whole};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
-use support::{open, write_whole};
 
 /// Size limit of the list, bytes.
 const MAX_LIST: u64 = 1 << 16;

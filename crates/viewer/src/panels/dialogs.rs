@@ -7,8 +7,8 @@ use crate::model::Model;
 use crate::unsaved;
 use egui::{Id, Modal, RichText, Ui};
 use egui_file_dialog::{DialogMode, DialogState, FileDialog};
+use hypertexture_support::{open, write_whole};
 use std::path::{Path, PathBuf};
-use support::{open, write_whole};
 
 /// Length of the list of recent files.
 const RECENT: usize = 8;

@@ -9,9 +9,9 @@ use egui::{
 };
 use hypertexture::scene::Object;
 use hypertexture::shape::{Facts, Histogram};
+use hypertexture_support::significant;
 use std::sync::Arc;
 use std::task::Poll;
-use support::significant;
 
 /// Height of the histogram, points.
 const HEIGHT: f32 = 96.0;

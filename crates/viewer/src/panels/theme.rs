@@ -4,8 +4,8 @@
 //! controls.
 
 use egui::{Color32, Context, CornerRadius, Id, Stroke, Theme, ThemePreference, Ui, Visuals};
+use hypertexture_support::{open, write_whole};
 use std::path::{Path, PathBuf};
-use support::{open, write_whole};
 
 /// Size limit of the file, bytes.
 const MAX_NAME: u64 = 16;

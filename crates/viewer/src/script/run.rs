@@ -9,11 +9,11 @@ use crate::input_latency::InputLatency;
 use crate::status::Stage;
 use accesskit::{Action, ActionData};
 use egui::{Event, Key, Modifiers, MouseWheelUnit, PointerButton, TouchPhase, Vec2, accesskit};
+use hypertexture_support::open;
 use std::collections::VecDeque;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-use support::open;
 
 /// Size limit of a script, bytes.
 const MAX_BYTES: u64 = 1 << 20;

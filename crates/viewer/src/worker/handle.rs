@@ -6,7 +6,7 @@ use super::shared::Shared;
 use crate::author::Gate;
 use crate::background::Notify;
 use hypertexture::gpu::Gpu;
-use measure::pick::ErrorBound;
+use hypertexture_measure::pick::ErrorBound;
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, mpsc};
 use std::thread::{self, JoinHandle};

@@ -5,7 +5,7 @@ use crate::status::{Cost, Stage};
 use hypertexture::render::{Subject, ViewPose};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
-use measure::pick::Pick;
+use hypertexture_measure::pick::Pick;
 use std::sync::Arc;
 
 /// A scene with its modules and its object.

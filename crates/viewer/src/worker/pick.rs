@@ -4,8 +4,8 @@ use super::job::{Event, Variant};
 use super::render_thread::RenderThread;
 use crate::background::{cancel_if, catch_cancellation};
 use hypertexture::render::RenderError;
-use measure::compare::Session;
-use measure::pick::{ErrorBound, PickError, pick};
+use hypertexture_measure::compare::Session;
+use hypertexture_measure::pick::{ErrorBound, PickError, pick};
 use std::sync::atomic::Ordering;
 
 impl RenderThread {

@@ -13,7 +13,7 @@ use hypertexture::render::variant::Variant as Program;
 use hypertexture::render::{Measurements, RenderError, Renderer, describe_frame, paste_areas, unused_overrides};
 use hypertexture::scene::{Scene, nearest_preset};
 use hypertexture::shader::shipped;
-use measure::statistics::rms_difference;
+use hypertexture_measure::statistics::rms_difference;
 use std::time::{Duration, Instant};
 
 /// Interval between updates of an unfinished picture.

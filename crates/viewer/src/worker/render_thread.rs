@@ -13,7 +13,7 @@ use hypertexture::render::{RenderError, ViewPose};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
 use hypertexture::shader::compile::CompileError;
-use measure::statistics::rms_difference;
+use hypertexture_measure::statistics::rms_difference;
 use std::borrow::Borrow;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -57,7 +57,7 @@ pub(super) struct Accumulation {
     /// Whether fields without an effect were reported.
     pub(super) reported: bool,
     /// Validity of the first own picture.
-    pub(super) validity: Option<measure::validity::Validity>,
+    pub(super) validity: Option<hypertexture_measure::validity::Validity>,
 }
 
 impl Accumulation {

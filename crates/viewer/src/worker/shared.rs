@@ -1,7 +1,7 @@
 //! State that the window and the render thread share.
 
 use super::job::{Job, Variant};
-use measure::pick::ErrorBound;
+use hypertexture_measure::pick::ErrorBound;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard};
 use std::thread;

@@ -9,7 +9,7 @@ use egui::ColorImage;
 use hypertexture::render::{RenderError, Renderer, Subject};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
-use measure::validity::{Found, TRUSTED, Validity, examine};
+use hypertexture_measure::validity::{Found, TRUSTED, Validity, examine};
 
 /// Legend color of valid pixels.
 const GREY: [u8; 3] = [128; 3];

@@ -11,7 +11,7 @@ use crate::compare::timing::{Spread, interleave};
 use crate::compare::{BACKGROUND, BATCH_BYTES, ComputeReference, GroundTruths, Session, run};
 use crate::worker::Painter;
 use hypertexture::scene::{ParameterValue, Scene, TargetFormat};
-use support::random::SplitMix;
+use hypertexture_support::random::SplitMix;
 
 /// k of Eq. 7, over the range of the parameter.
 const BUMPS: [f32; 6] = [0.0, 0.8, 1.6, 3.2, 6.4, 20.0];

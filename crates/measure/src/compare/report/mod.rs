@@ -19,9 +19,9 @@ use super::{BACKGROUND, CompareError, Comparison, Failure, Group, Session};
 use hypertexture::output::OutputError;
 use hypertexture::render::Frame;
 use hypertexture::scene::{Scene, to_text};
+use hypertexture_support::{quoted, write_whole};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-use support::{quoted, write_whole};
 
 /// Pictures of the front of the scene's own truth, at most, and of each of the others.
 const PICTURES: [usize; 2] = [6, 2];
