@@ -125,7 +125,7 @@ fn failures(desk: &Path, work: &Path, lines: &[String]) -> Vec<String> {
     };
     std::thread::scope(|scope| {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
-        (0..cores).for_each(|_| drop(scope.spawn(&type_lines)));
+        (0..cores).for_each(|_| drop(scope.spawn(type_lines)));
     });
     failures.into_inner().unwrap()
 }

@@ -188,7 +188,7 @@ fn an_address_leads_to_a_state_and_keyframes_move_on_a_page() {
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn pictures_of_a_report_lead_to_live_pages() {
     let root = tempfile::tempdir().unwrap();
-    let small = "--size 32x32 --resolution 32 --sweep 8,32 --repeat 1";
+    let small = "--size 32x32 --resolution 32 --sweep 8,32 --strategies procedural --repeat 1";
     let made = run(root.path(), &format!("compare sphere --effect fire {small} --web -o report"));
     assert!(made.status.success(), "{}", unexpected(&made));
     let report = root.path().join("report");
