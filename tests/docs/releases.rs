@@ -1,11 +1,12 @@
 //! What a release is made of agrees: versions, the CHANGELOG, the scripts of the workflows, and the limits in SECURITY.md.
 #![expect(clippy::unwrap_used, reason = "a test fails where a file is not as described")]
 
+use hypertexture_support::jobs::Limits;
 use std::collections::BTreeSet;
 use std::fs;
+use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use support::jobs::Limits;
 
 const CHANGELOG: &str = include_str!("../../CHANGELOG.md");
 const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -60,7 +61,6 @@ fn the_workflows_call_scripts_that_are_there() {
         assert!(called.contains(&root().join(name)), "no workflow calls {name}");
     }
     for script in called {
-        use std::os::unix::fs::PermissionsExt;
         let mode = fs::metadata(&script).unwrap_or_else(|_| panic!("there is no {}", script.display()));
         assert!(mode.permissions().mode() & 0o111 != 0, "{} cannot be run", script.display());
     }

@@ -66,7 +66,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let rate = f64::from(frames) / start.elapsed().as_secs_f64();
     let last = &textures[(frames as usize - 1) % IN_FLIGHT];
     let mut encoder = png::Encoder::new(std::fs::File::create(&file)?, SIZE[0], SIZE[1]);
-    (encoder.set_color(png::ColorType::Rgba), encoder.set_depth(png::BitDepth::Eight));
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.set_depth(png::BitDepth::Eight);
     encoder.write_header()?.write_image_data(&last.read(&host)?)?;
     println!("{frames} frames, {rate:.1} a second; wrote {file}");
     Ok(())
