@@ -122,7 +122,7 @@ fn drawn() -> String {
         let name = |package: &str| package.trim_start_matches("hypertexture-").to_string();
         let own = name(package["name"].as_str().expect("a name"));
         let about = package["description"].as_str().expect("a description");
-        uses.insert(own, (about.into(), dependencies.into_iter().flatten().map(|(name, _)| name.clone()).collect()));
+        uses.insert(own, (about.into(), dependencies.into_iter().flatten().map(|(other, _)| name(other)).collect()));
     }
     let names: BTreeSet<String> = uses.keys().cloned().collect();
     uses.values_mut().for_each(|(_, used)| used.retain(|name| names.contains(name)));
