@@ -34,7 +34,7 @@ fn number(row: &HashMap<String, String>, column: &str) -> f64 {
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn m56_a_comparison_writes_its_report_and_repeats_every_digit_of_its_errors() {
     let desk = tempfile::tempdir().unwrap();
-    let arguments = "compare sphere --effect fire --size 32x32 --sweep 8,16,32 --repeat 3";
+    let arguments = "compare sphere --effect fire --size 48x48 --sweep 8,16,32 --repeat 3";
     for name in ["a", "b"] {
         let output = run(desk.path(), &format!("{arguments} -o {name}"));
         let said = unexpected(&output);
