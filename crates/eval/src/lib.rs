@@ -21,8 +21,8 @@
 //!
 //! # Example
 //! ```
-//! use glsl::{Library, Linker, Slots, Stage};
 //! use hypertexture_eval::{Inputs, Interval, Invocations, Program};
+//! use hypertexture_glsl::{Library, Linker, Slots, Stage};
 //!
 //! let text = "#version 450
 //!     layout(location = 0) in vec4 place;
