@@ -45,7 +45,7 @@ void trace() {
     fragment = vec4(1.0);
     float next = 1.0;
     for (float i = 0.0; i < samples; i += next) {
-        vec3 x;
+        vec3 x = vec3(0.0);
 #if defined(TWO_PHASES) && defined(FINDS)
         float density = 0.0;
         for (; i < samples; i += next) {                // as in march.frag

@@ -31,7 +31,7 @@ vec4 matter(Sample s, float path, bool hard) {
     }
     if (hard) {
         remember(own);
-        float at;
+        float at = 0.0;
         meets(s.x, s.distance - iso_value, iso_value, path, at);
         s = moved_back(s, at, path);
         s.normal = cap_normal(s.x, s.normal);

@@ -10,7 +10,7 @@
 vec4 classify(vec3 x, float path) {
     vec3 end = x + 0.5 * to_far_end(path);
     Sample s = sample_object(end);
-    float gap = s.distance - iso_value, at;
+    float gap = s.distance - iso_value, at = 0.0;
     distance_bound = s.distance_bound;
     if (!may_begin(gap, 2.0 * sample_reach) || !meets(end, gap, iso_value, path, at)) return vec4(0.0);
     if (gap < 0.0 && at <= 0.0) at = 1.0;       // the ray was inside before

@@ -71,6 +71,17 @@ pub enum RenderError {
         /// Cause or advice.
         cause: String,
     },
+    /// A custom module computes with an undefined value; with file and line.
+    #[error("{0}")]
+    Undefined(String),
+    /// A custom module cannot be evaluated before it is drawn.
+    #[error("{modules}: it cannot be tried, so it is not drawn: {reason}; write that part in another way")]
+    Untried {
+        /// The modules.
+        modules: String,
+        /// What the evaluator lacks.
+        reason: Box<crate::eval::ExactError>,
+    },
     /// The loops of a custom module exceed the limit of some devices.
     #[error(
         "{place}: the loops of one {whose} make more than {turns} turns{with}; devices cut them there, and the picture would not be that of the module; {}",

@@ -13,7 +13,7 @@ use crate::field::Progress;
 use crate::gpu::{Address, Dimension, Format};
 use crate::scene::schema::{Changes, setting};
 use crate::scene::{Animation, ParameterValue, Pass, Projection, SHADOW_SAMPLES, Scene, Track};
-use crate::shader::{Library, Linker, ParameterKind};
+use crate::shader::{Library, Linker, ParameterKind, suffixed};
 use glam::{Mat4, Vec3};
 use std::collections::BTreeMap;
 
@@ -201,7 +201,7 @@ impl Portable {
                     Ok(values(&variant_of(&moved)?))
                 });
                 let moved = moved.collect::<Result<Vec<_>, RenderError>>()?;
-                let member = format!("{bare}{suffix}");
+                let member = suffixed(bare, &suffix);
                 let names = own.keys().filter(|name| is_kept(name) && **name != member && !is_of_camera(name));
                 let follows = |name: &&String| moved.iter().any(|moved| moved[*name] != own[*name]);
                 follow = names
@@ -209,7 +209,7 @@ impl Portable {
                     .map(|name| (name.clone(), moved.iter().map(|moved| moved[name].clone()).collect()))
                     .collect();
             }
-            let (member, doc) = (format!("{bare}{suffix}"), parameter.doc.clone());
+            let (member, doc) = (suffixed(bare, &suffix), parameter.doc.clone());
             if read.contains(&member.as_str()) || !follow.is_empty() {
                 parameters.push(PortableParameter { name, member, doc, kind, value: value.clone(), follow });
             }

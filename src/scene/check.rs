@@ -288,6 +288,13 @@ impl Scene {
             let known = library.modules(slot);
             for name in names {
                 let (module, mask) = name.split_once('@').map_or((name.as_str(), None), |(a, b)| (a, Some(b)));
+                if !known.contains(&module) && module.ends_with(".glsl") {
+                    let stem = module.rsplit('/').next().unwrap_or(module).trim_end_matches(".glsl");
+                    let limit = format!(
+                        "write the name of a module here, \"{stem}\", and its file under [modules]: \"{slot}/{stem}\" = \"{module}\""
+                    );
+                    return Err(SceneError::value(field, module, limit));
+                }
                 if !known.contains(&module) {
                     return Err(SceneError::unknown(&format!("module of {field}"), module, &known));
                 }

@@ -48,7 +48,7 @@ vec3 drawn_place() {
 }
 ";
 
-/// In place of `watch.glsl`: tests bits, since devices assume that NaN never occurs.
+/// `watch.glsl`: tests bits, since devices assume that NaN never occurs.
 const WATCH: &str = "void note_fault(float number, float value) {
     uint function = uint(number) - 1u, bits = floatBitsToUint(value) & 0x7fffffffu;
     drawn_ran[function / 24u] |= 1u << (function % 24u);

@@ -74,9 +74,8 @@ fn every_module_has_a_check() {
     ];
     let checked: BTreeSet<&str> = rows.into_iter().flatten().copied().collect();
     let library = harness::shipped();
-    // Programs of their own, and the rays that several of them share, are tested by their pictures; what notes the faults
-    // of custom modules in `custom.rs`.
-    let shared = ["march.glsl", "matter.glsl", "pixel.glsl", "trace.glsl", "watch.glsl"];
+    // Programs of their own, and the rays that several of them share, are tested by their pictures.
+    let shared = ["march.glsl", "matter.glsl", "pixel.glsl", "trace.glsl"];
     let is_other = |path: &str| path.starts_with("doctor/") || shared.contains(&path);
     let modules = library.sources().filter(|(path, _)| path.ends_with(".glsl") && !is_other(path));
     let modules: BTreeSet<&str> = modules.map(|(path, _)| path).collect();

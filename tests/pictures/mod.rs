@@ -28,4 +28,5 @@ mod stages;
 mod storage;
 mod strategies;
 mod toolkit;
+mod undefined;
 mod voxels;

@@ -150,8 +150,8 @@ fn scenes_that_compute_shaders_cannot_draw_say_so_and_are_drawn() {
             ("slices", "slices are blended"),
             ("msaa", "quality.msaa"),
             ("target", "float32"),
-            ("custom", "surface/columns.glsl has `gl_Frag`"),
-            ("derived", "surface/derived.glsl has `dFd`"),
+            ("custom", "surface/columns.glsl:1: error: 'gl_FragCoord'"),
+            ("derived", "surface/derived.glsl:1: error: 'dFdx'"),
         ];
         for (name, why) in cases {
             let library = if ["custom", "derived"].contains(&name) { &custom } else { &shipped };

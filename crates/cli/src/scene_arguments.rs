@@ -164,11 +164,21 @@ impl SceneArguments {
 
     fn apply(&self, scene: &mut Scene) -> Result<(), SceneError> {
         self.apply_effect(scene)?;
-        for text in &self.parameters {
-            if let Some((field, value)) = text.split_once('=').filter(|(name, _)| is_field(name.trim())) {
-                scene.set_field(field.trim(), value.trim())?;
-                continue;
-            }
+        let (fields, parameters): (Vec<&String>, Vec<&String>) = self
+            .parameters
+            .iter()
+            .partition(|text| text.split_once('=').is_some_and(|(name, _)| is_field(name.trim())));
+        // A scene may leave a module out; then its parameters go with it.
+        let chooses_modules = fields.iter().any(|text| text.trim_start().starts_with("effect."));
+        let was_good = chooses_modules && scene.library().is_ok_and(|library| scene.check(&library).is_ok());
+        for text in fields {
+            let (field, value) = text.split_once('=').unwrap_or((text, ""));
+            scene.set_field(field.trim(), value.trim())?;
+        }
+        if was_good {
+            scene.drop_foreign_parameters(&scene.library()?)?;
+        }
+        for text in parameters {
             let (name, value) = parameter(text)?;
             let further = name.strip_prefix("parts.").and_then(|rest| rest.split_once('.'));
             let (parameters, name) = match further {

@@ -1,6 +1,7 @@
 //! `verify`: analytic cases on the device at hand, or a picture compared with its scene.
 
 use super::compare::Failed;
+use super::picture::say_fault;
 use super::scene_arguments::reach;
 use super::stress::conclude;
 use super::{announced, say, say_json};
@@ -8,10 +9,11 @@ use clap::Args;
 use hypertexture::field::Progress;
 use hypertexture::gpu::{Gpu, Options};
 use hypertexture::output::{self, PROGRAM};
-use hypertexture::render::{Subject, render};
+use hypertexture::render::{Subject, render, try_custom_modules};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
 use hypertexture_measure::cases::{self, Suite};
+use hypertexture_measure::guard::own_files;
 use hypertexture_measure::picture_check::{self, CheckError, CheckOptions, PixelTruth, Verdict};
 use hypertexture_measure::reference::{Reference, ReferenceError, TOLERANCE, converged_settings, reference_pixels};
 use hypertexture_support::words;
@@ -75,6 +77,11 @@ fn picture(image: &Path, command: &Verify, options: &Options, quiet: bool) -> Re
     let scene = provenance.scene(image, reach)?;
     let (variant, library) = super::checked(&scene).map_err(|error| format!("{}: {error}", image.display()))?;
     super::try_modules(&variant, &library, Some(options))?;
+    // Picture and reference may share a fault of a module.
+    let module = match own_files(&variant, &library)?.is_empty() {
+        true => None,
+        false => try_custom_modules(&library, &variant, &Subject::load(&variant, &library, &|_| ())?)?,
+    };
     let gpu = Gpu::new(options)?;
     let asked = CheckOptions { pixels: command.pixels, seed: command.seed, bound: command.bound, reach };
     let known = |scene: &Scene, subject: &Subject, pixels: &[[u32; 2]], progress: Progress<'_>| {
@@ -106,6 +113,7 @@ fn picture(image: &Path, command: &Verify, options: &Options, quiet: bool) -> Re
         say_json(&json!({
             "picture": image.display().to_string(), "program": provenance.program, "device": provenance.device,
             "scene_hash": provenance.scene_hash, "disagreement": disagreement, "agreement": facts,
+            "module": module.map(|fault| fault.to_string()),
         }))?;
     } else if let Some(verdict) = verdict.ok().filter(|_| !quiet) {
         let hash = provenance.scene_hash.get(..16).unwrap_or(&provenance.scene_hash);
@@ -113,6 +121,7 @@ fn picture(image: &Path, command: &Verify, options: &Options, quiet: bool) -> Re
         let inputs = if inputs.is_empty() { String::new() } else { format!("; unchanged: {}", inputs.join(", ")) };
         let about = format!("by {} on {}; scene {hash}{inputs}", provenance.program, provenance.device);
         say(&format!("picture    {}\n{}", words::line(&about), verdict.text()));
+        say_fault(module);
         if disagreement.is_none() {
             let (metric, error) = (verdict.metric, verdict.error());
             say(&format!("its scene gives this picture, with an error of {metric} {error:.1e}\n"));

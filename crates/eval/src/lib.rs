@@ -65,6 +65,7 @@ pub use bind::BoundProgram;
 pub use error::ExactError;
 pub use evaluate::{Evaluate, Invocations, Measured};
 pub use fingerprint::Fingerprint;
+pub use lower::faults::{FAULTS, Fault, Watch};
 pub use lower::words::specialized;
 pub use number::{Domain, Number};
 pub use numbers::affine::Affine;

@@ -2,6 +2,7 @@
 
 use crate::code::Code;
 use crate::error::ExactError;
+use crate::lower::faults::Watch;
 use crate::lower::function::lower;
 use crate::lower::words::Words;
 use crate::optimize::allocate::allocate;
@@ -44,7 +45,15 @@ impl Program {
     /// # Errors
     /// [`ExactError::Spirv`] and [`ExactError::Uncovered`].
     pub fn read(spirv: &[u32], constants: &[(u32, u32)]) -> Result<Program, ExactError> {
-        Program::read_with(spirv, constants, |_| ())
+        Program::read_with(spirv, constants, None, |_| ())
+    }
+
+    /// [`Program::read`] with an output at [`FAULTS`](crate::FAULTS) that holds the first fault in the watched files.
+    ///
+    /// # Errors
+    /// As [`Program::read`].
+    pub fn read_watched(spirv: &[u32], constants: &[(u32, u32)], watch: &Watch<'_>) -> Result<Program, ExactError> {
+        Program::read_with(spirv, constants, Some(watch), |_| ())
     }
 
     /// Reads the part of a program that one channel of an output depends on. The result has it as its first channel; the
@@ -57,7 +66,7 @@ impl Program {
         constants: &[(u32, u32)],
         (output, channel): (u32, usize),
     ) -> Result<Program, ExactError> {
-        Program::read_with(spirv, constants, |code| {
+        Program::read_with(spirv, constants, None, |code| {
             code.outputs.retain(|(location, _)| *location == output);
             code.outputs.iter_mut().for_each(|(_, regs)| *regs = regs.get(channel).copied().into_iter().collect());
         })
@@ -66,6 +75,7 @@ impl Program {
     fn read_with(
         spirv: &[u32],
         constants: &[(u32, u32)],
+        watch: Option<&Watch<'_>>,
         change: impl FnOnce(&mut Code),
     ) -> Result<Program, ExactError> {
         let words = Words::read(spirv, constants)?;
@@ -87,7 +97,7 @@ impl Program {
             }
             other => ExactError::Spirv(other.to_string()),
         })?;
-        let (mut code, mut classes) = lower(&module, &words)?;
+        let (mut code, mut classes) = lower(&module, &words, watch)?;
         change(&mut code);
         drop_unread(&mut code);
         flatten(&mut code, &mut classes);
@@ -95,6 +105,11 @@ impl Program {
         tidy(&mut code, &classes);
         allocate(&mut code, &classes);
         Ok(Program { code })
+    }
+
+    /// File and line of a place, by its number in [`FAULTS`](crate::FAULTS).
+    pub fn place(&self, number: usize) -> &str {
+        self.code.places.get(number).map_or("", String::as_str)
     }
 
     /// Number of scalar instructions, once for each inlined call and loop body.

@@ -25,8 +25,9 @@
 
 use super::drift::Drift;
 use super::error::LibraryError;
-use super::names::identifier;
+use super::names::{identifier, is_reserved, suffixed};
 use super::reach::Reach;
+use hypertexture_support::words::nearest;
 use std::collections::BTreeSet;
 
 /// Declarations of a module or of a program.
@@ -151,7 +152,7 @@ impl Declarations {
         let parameters = self.parameters.iter_mut().map(|parameter| &mut parameter.name);
         let lengths = self.reach.iter_mut().flat_map(Reach::names);
         let speeds = self.drifts.iter_mut().flat_map(Drift::parameters);
-        parameters.chain(&mut self.outer).chain(lengths).chain(speeds).for_each(|name| name.push_str(suffix));
+        parameters.chain(&mut self.outer).chain(lengths).chain(speeds).for_each(|name| *name = suffixed(name, suffix));
     }
 }
 
@@ -170,13 +171,17 @@ pub(super) fn parse(path: &str, text: &str) -> Result<Declarations, LibraryError
             let (path, text) = (path.to_string(), line.trim_start().to_string());
             LibraryError::Declaration { path, line: index + 1, text, allowed: allowed(kind) }
         };
+        if !is_meant(kind) {
+            continue;
+        }
         let word = rest.trim();
+        let named = |(name, reason)| LibraryError::Parameter { path: path.into(), line: index + 1, name, reason };
         let number = || word.parse::<u32>().map_err(|_| wrong());
         let name = || identifier(word).ok_or_else(wrong);
         let period = |name: &str| PERIODS.contains(&name).then(|| name.to_string()).ok_or_else(wrong);
         match kind {
-            "param" => found.parameters.push(parameter(rest).ok_or_else(wrong)?),
-            "color" => found.parameters.push(color(rest).ok_or_else(wrong)?),
+            "param" => found.parameters.push(parameter(rest).ok_or_else(wrong)?.map_err(named)?),
+            "color" => found.parameters.push(color(rest).ok_or_else(wrong)?.map_err(named)?),
             "outer" => {
                 found.outer = vec![name()?];
                 outer = Some(wrong());
@@ -222,29 +227,53 @@ fn allowed(kind: &str) -> String {
     form.unwrap_or_else(|| format!("one of: {}", known()))
 }
 
-fn parameter(text: &str) -> Option<Parameter> {
+/// Whether a tag is a declaration, or a misspelt one. Others, such as `@author`, belong to the comment.
+fn is_meant(kind: &str) -> bool {
+    let known = FORMS.map(|(known, _)| known);
+    known.iter().any(|known| kind.starts_with(known)) || nearest(kind, &known).is_some()
+}
+
+/// A parameter, or its name and what is wrong with it. `None` if the text has another form.
+type Read = Option<Result<Parameter, (String, String)>>;
+
+/// The name of a parameter, or what is wrong with it.
+fn parameter_name(text: &str) -> Result<String, (String, String)> {
+    let name = text.trim();
+    identifier(name).ok_or_else(|| {
+        let reason = match is_reserved(name) {
+            true => "GLSL reserves this name; choose another",
+            false => "a name has a-z, 0-9 and _, a letter first",
+        };
+        (name.into(), reason.into())
+    })
+}
+
+fn parameter(text: &str) -> Read {
     let (name, rest) = text.split_once('=')?;
     let (value, rest) = rest.split_once(" in [")?;
     let (range, doc) = rest.split_once("]:")?;
     let (low, high) = range.split_once(',')?;
-    let finite = |text: &str| text.trim().parse::<f32>().ok().filter(|value| value.is_finite());
-    let (value, low, high) = (finite(value)?, finite(low)?, finite(high)?);
-    let valid = low < high && (low..=high).contains(&value);
-    valid.then_some(Parameter {
-        name: identifier(name)?,
-        kind: ParameterKind::Number(value, [low, high]),
-        doc: doc.trim().into(),
-    })
+    let number = |text: &str| text.trim().parse::<f32>().ok();
+    let (value, low, high) = (number(value)?, number(low)?, number(high)?);
+    let reason = match [value, low, high].iter().find(|number| !number.is_finite()) {
+        Some(number) => format!("{number} is not a finite number of f32, whose largest is 3.4e38"),
+        None if low > high => format!("the range [{low}, {high}] begins with its larger end; write [{high}, {low}]"),
+        None if low == high => format!("the range [{low}, {high}] has one value; write a constant"),
+        None if !(low..=high).contains(&value) => format!("the default {value} is outside of [{low}, {high}]"),
+        None => String::new(),
+    };
+    let valid = |name: String| match reason.is_empty() {
+        true => Ok(Parameter { name, kind: ParameterKind::Number(value, [low, high]), doc: doc.trim().into() }),
+        false => Err((name, reason)),
+    };
+    Some(parameter_name(name).and_then(valid))
 }
 
-fn color(text: &str) -> Option<Parameter> {
+fn color(text: &str) -> Read {
     let (name, rest) = text.split_once('=')?;
     let (value, doc) = rest.split_once(": ")?;
-    Some(Parameter {
-        name: identifier(name)?,
-        kind: ParameterKind::Color(hex_color(value.trim())?),
-        doc: doc.trim().into(),
-    })
+    let kind = ParameterKind::Color(hex_color(value.trim())?);
+    Some(parameter_name(name).map(|name| Parameter { name, kind, doc: doc.trim().into() }))
 }
 
 /// Reads `#rrggbb`.
@@ -277,7 +306,7 @@ mod tests {
     #[test]
     fn a_bad_declaration_names_file_and_line() {
         for text in
-            ["// @param x = 3 in [0, 2]: Out of range.", "// @param Big = 1 in [0, 2]: Upper case.", "// @what x"]
+            ["// @param x = 3 in [0, 2]: Out of range.", "// @param Big = 1 in [0, 2]: Upper case.", "// @parm x"]
         {
             let error = declarations(&format!("\n{text}")).unwrap_err().to_string();
             assert!(error.starts_with("a.frag:2:"), "{error}");
@@ -304,7 +333,53 @@ mod tests {
             let expected = format!("a.frag:1: `// {text}` is not a declaration; write {allowed}");
             assert_eq!(declarations(&format!("// {text}")).unwrap_err().to_string(), expected);
         }
-        assert!(declarations("// @what x").unwrap_err().to_string().ends_with("@segments, @looks"));
+        assert!(declarations("// @parm x").unwrap_err().to_string().ends_with("@segments, @looks"));
+    }
+
+    #[test]
+    fn a_wrong_parameter_is_answered_with_what_is_wrong() {
+        for (text, expected) in [
+            ("@param x = 5 in [0, 1]: X.", "the parameter `x`: the default 5 is outside of [0, 1]"),
+            (
+                "@param x = 0.5 in [1, 0]: X.",
+                "the parameter `x`: the range [1, 0] begins with its larger end; write [0, 1]",
+            ),
+            ("@param x = 1 in [1, 1]: X.", "the parameter `x`: the range [1, 1] has one value; write a constant"),
+            (
+                "@param x = 1e39 in [0, 1]: X.",
+                "the parameter `x`: inf is not a finite number of f32, whose largest is 3.4e38",
+            ),
+            (
+                "@param x = nan in [0, 1]: X.",
+                "the parameter `x`: NaN is not a finite number of f32, whose largest is 3.4e38",
+            ),
+            ("@param float = 1 in [0, 1]: X.", "the parameter `float`: GLSL reserves this name; choose another"),
+            ("@param größe = 1 in [0, 1]: X.", "the parameter `größe`: a name has a-z, 0-9 and _, a letter first"),
+            ("@color 2nd = #ffffff: X.", "the parameter `2nd`: a name has a-z, 0-9 and _, a letter first"),
+        ] {
+            assert_eq!(declarations(&format!("\n// {text}")).unwrap_err().to_string(), format!("a.frag:2: {expected}"));
+        }
+    }
+
+    #[test]
+    fn other_tags_belong_to_the_comment_and_misspelt_ones_do_not() {
+        for tag in [
+            "author nobody",
+            "license MIT",
+            "see https://a.b",
+            "version 2",
+            "brief Rings.",
+            "note x",
+            "return density",
+            "todo",
+            "",
+        ] {
+            assert_eq!(declarations(&format!("// @{tag}")), Ok(Declarations::default()), "{tag}");
+        }
+        for tag in ["parm", "params", "Param", "colour", "octave", "loop", "outter", "mvoe", "parameter", "segmnets"] {
+            let error = declarations(&format!("// @{tag} x")).unwrap_err().to_string();
+            assert!(error.contains("is not a declaration; write one of: @param"), "{tag}: {error}");
+        }
     }
 
     #[test]

@@ -28,6 +28,18 @@ pub enum LibraryError {
         /// The expected form.
         allowed: String,
     },
+    /// A parameter has a wrong name, default or range.
+    #[error("{path}:{line}: the parameter `{name}`: {reason}")]
+    Parameter {
+        /// The module.
+        path: String,
+        /// Line, from 1.
+        line: usize,
+        /// The name in the declaration.
+        name: String,
+        /// What is wrong, and what to do.
+        reason: String,
+    },
     /// The kind of a DMF contradicts its header.
     #[error("{path} claims to be {claimed}, but reads fields that make it {found}")]
     Kind {
@@ -43,6 +55,18 @@ pub enum LibraryError {
     Twice {
         /// The parameter.
         name: String,
+    },
+    /// A name of a module is the one that its copy gives to another name.
+    #[error("{place}: `{name}` is the name of `{other}` in {of}; rename one of them")]
+    Taken {
+        /// File and line.
+        place: Box<str>,
+        /// The name.
+        name: Box<str>,
+        /// The name that becomes it.
+        other: Box<str>,
+        /// The copy.
+        of: Box<str>,
     },
     /// The slot does not exist.
     #[error("{path}: #include <{slot}>: unknown slot; docs/modules.md lists them")]

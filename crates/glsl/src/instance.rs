@@ -46,6 +46,7 @@ impl Instance {
         for (key, modules) in slots.iter().filter(|(key, _)| key.starts_with(&prefix)) {
             library.files(&key[prefix.len()..], modules)?.iter().for_each(|file| own.take(library, file));
         }
+        let owner = format!("the object `{name}`");
         let reached = library.object_files(name, slots)?;
         loop {
             let before = own.files.len();
@@ -68,6 +69,9 @@ impl Instance {
                 }
             }
             if own.files.len() == before {
+                let suffix = own.suffix();
+                let files = own.files.iter().filter(|file| !file.contains('#') && library.source(file).is_some());
+                files.map(|file| library.check_suffix(file, &suffix, &owner)).collect::<Result<Vec<_>, _>>()?;
                 return Ok(own);
             }
         }

@@ -1,11 +1,8 @@
-//! Instrumented modules: for NaN and infinity reports of evaluated programs, and for tests of invariance under translation.
+//! Functions in the text of modules: the one that a module lacks, and instrumented ones for tests.
 
 use super::library::Library;
 use super::names::{rename, words};
 use std::collections::BTreeSet;
-
-/// Output location of `watch.glsl`.
-pub const FAULT: u32 = 7;
 
 /// Components of each type.
 const COMPONENTS: [(&str, &[&str]); 5] = [
@@ -17,7 +14,8 @@ const COMPONENTS: [(&str, &[&str]); 5] = [
 ];
 
 impl Library {
-    /// Instruments files to report NaN and infinity in results and output parameters. Files are numbered from 1.
+    /// Instruments files to report results and output parameters to `note_fault(float number, float value)` of `watch.glsl`, a
+    /// file of the caller. Files are numbered from 1.
     pub fn watched<'a>(&self, paths: impl IntoIterator<Item = &'a str>) -> Library {
         let file = |(path, text): (&str, &str)| (path.to_string(), text.to_string());
         let noting =

@@ -5,7 +5,7 @@
 use super::declare::parse;
 use super::error::LibraryError;
 use super::library::Library;
-use super::names::definitions;
+use super::names::{definitions, suffixed};
 use super::slots::{MEDIUM, MEDIUM_FUNCTIONS};
 
 impl Library {
@@ -17,7 +17,7 @@ impl Library {
         let (file, copy) =
             path.split_once('#').map_or((path, String::new()), |(file, copy)| (file, format!("_{copy}")));
         let parameter = parse(file, self.source(file).unwrap_or_default())?.outer.pop();
-        Ok(parameter.map(|parameter| parameter + &copy))
+        Ok(parameter.map(|parameter| suffixed(&parameter, &copy)))
     }
 
     /// Whether a medium defines its extinction.

@@ -4,6 +4,7 @@
 //! program, which contains only the modules it needs. Invariant: linking is a pure function of the library, the entry file
 //! and the chosen modules. Shipped programs are compiled by this crate too, in `build.rs`.
 
+mod copies;
 mod count;
 pub mod declare;
 pub mod drift;
@@ -24,19 +25,20 @@ mod rounding;
 pub mod slots;
 pub mod spirv;
 mod stage;
+mod undefined;
 
 pub use count::counting;
 pub use declare::{Declarations, Parameter, ParameterKind};
 pub use error::{LibraryError, LinkError};
 pub use formula::{Formula, FormulaError};
-pub use instrument::FAULT;
 pub use kind::Kind;
 pub use library::Library;
 pub use link::{Linker, linked_text};
-pub use names::{is_reserved, reserved, tokens};
+pub use names::{find_word, is_reserved, members, reserved, suffixed, tokens};
 pub use reach::{Reach, Sides};
 pub use slots::Slots;
 pub use stage::Stage;
+pub use undefined::{Undefined, undefined};
 
 #[cfg(test)]
 fn shipped() -> Library {

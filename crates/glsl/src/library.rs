@@ -362,7 +362,7 @@ pub fn own_names(path: &str, text: &str) -> BTreeSet<String> {
 }
 
 /// Whether the tag of a path is the number of a copy.
-fn is_copy(tag: &str) -> bool {
+pub(super) fn is_copy(tag: &str) -> bool {
     tag.starts_with(|c: char| c.is_ascii_digit())
 }
 

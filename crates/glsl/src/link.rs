@@ -15,7 +15,7 @@ use super::glslang::{self, Text};
 use super::instance::{Instance, instances};
 use super::layers::{layered, media};
 use super::library::Library;
-use super::names::members;
+use super::names::{members, suffixed};
 use super::rounding::with_exact_rounding;
 use super::slots::{
     FOLDED, FORMULA, MAIN, MEDIUM, NONE, OBJECT_ENTRY, OBJECTS, OPTIONAL, PARAMETERS, PART, Slots, qualified,
@@ -133,6 +133,12 @@ struct Sources<'a> {
 
 impl<'a> Sources<'a> {
     fn new(library: &'a Library, slots: &'a Slots, parameters_of: &[&str]) -> Result<Sources<'a>, LinkError> {
+        for (key, names) in slots {
+            let slot = key.rsplit('.').next().unwrap_or(key);
+            for file in library.files(slot, names).unwrap_or_default() {
+                library.check_copy(&file)?;
+            }
+        }
         let instances = instances(library, slots)?;
         let parameters = parameter_block(library, parameters_of, slots, &instances)?;
         let objects = slots.get(FORMULA).and_then(|formula| formula.first());
@@ -240,7 +246,7 @@ fn fill(library: &Library, slot: &str, names: &[String]) -> Result<(String, Stri
 /// Function name of a file: `fur_2` for `dmf/fur.glsl#2`.
 fn function(file: &str) -> String {
     let (path, copy) = file.split_once('#').map_or((file, String::new()), |(path, copy)| (path, format!("_{copy}")));
-    format!("{}{copy}", path.trim_end_matches(".glsl").rsplit('/').next().unwrap_or_default())
+    suffixed(path.trim_end_matches(".glsl").rsplit('/').next().unwrap_or_default(), &copy)
 }
 
 /// The classification of several objects combined by a formula.
@@ -326,8 +332,8 @@ fn parameter_block(
     let (mut members, mut constants) = (Vec::new(), String::new());
     let mut add =
         |kind: &str, object: &str, name: &str, suffix: &str| match folded(slots).contains(&qualified(object, name)) {
-            true => constants.push_str(&zero_constant(kind, &format!("{name}{suffix}"))),
-            false => members.push(format!("{kind} {name}{suffix}")),
+            true => constants.push_str(&zero_constant(kind, &suffixed(name, suffix))),
+            false => members.push(format!("{kind} {}", suffixed(name, suffix))),
         };
     for own in &library.declarations(entries, slots)?.parameters {
         add(kind(own), "", &own.name, "");

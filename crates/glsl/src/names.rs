@@ -146,10 +146,26 @@ pub fn has_state(text: &str) -> bool {
 
 /// Whether a file uses any of the names.
 pub fn uses(text: &str, names: &BTreeSet<String>) -> bool {
-    rename(text, names, "_") != text
+    rename(text, names, "_2") != text
 }
 
-/// Appends `suffix` to the names, except to fields after a dot and in structures.
+/// A name with a suffix that begins with an underscore. GLSL reserves names with two in a row.
+pub fn suffixed(name: &str, suffix: &str) -> String {
+    let suffix = if name.ends_with('_') { suffix.trim_start_matches('_') } else { suffix };
+    format!("{name}{suffix}")
+}
+
+/// Line, from 1, of the first word of a text that satisfies a condition, and the word. Comments have no words.
+pub fn find_word(text: &str, is: impl Fn(&str) -> bool) -> Option<(usize, &str)> {
+    let mut line = 1;
+    tokens(text).find_map(|token| {
+        let here = line;
+        line += token.matches('\n').count();
+        (is_name(token) && is(token)).then_some((here, token))
+    })
+}
+
+/// Appends `suffix` to the names, as [`suffixed`], except to fields after a dot and in structures.
 pub fn rename(text: &str, names: &BTreeSet<String>, suffix: &str) -> String {
     let mut out = String::with_capacity(text.len() + text.len() / 8);
     let mut tokens = tokens(text).peekable();
@@ -157,9 +173,9 @@ pub fn rename(text: &str, names: &BTreeSet<String>, suffix: &str) -> String {
     while let Some(token) = tokens.next() {
         in_structure = token == "{" && before_last == "struct" || in_structure && token != "}";
         let field = last == "." || in_structure && tokens.peek() == Some(&";");
-        out.push_str(token);
-        if !field && names.contains(token) {
-            out.push_str(suffix);
+        match !field && names.contains(token) {
+            true => out += &suffixed(token, suffix),
+            false => out += token,
         }
         if !token.starts_with(char::is_whitespace) {
             (before_last, last) = (last, token);
@@ -201,5 +217,23 @@ mod tests {
         assert!(renamed.contains("float one_2(float density") && renamed.contains("return one_2(size2, s) + 1e5;"));
         assert_eq!(renamed.lines().count(), TEXT.lines().count());
         assert_eq!(rename(TEXT, &BTreeSet::new(), "_2"), TEXT);
+    }
+
+    #[test]
+    fn no_suffix_gives_a_reserved_name() {
+        let names = ["spin_".to_string()].into();
+        assert_eq!(
+            rename("float spin_(float spin) { return spin_(spin); }", &names, "_2"),
+            "float spin_2(float spin) { return spin_2(spin); }"
+        );
+        assert_eq!(suffixed("spin", "_stone"), "spin_stone");
+        assert!(uses("spin_(1.0)", &names) && !uses("spin(1.0) // spin_", &names));
+    }
+
+    #[test]
+    fn words_are_found_with_their_lines() {
+        assert_eq!(find_word(TEXT, |word| word == "size"), Some((6, "size")));
+        assert_eq!(find_word("/* a\n a */\n\n#include \"a\"\nb a", |word| word == "a"), Some((5, "a")));
+        assert_eq!(find_word(TEXT, |word| word == "it"), None, "a comment");
     }
 }

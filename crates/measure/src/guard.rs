@@ -3,7 +3,7 @@
 //!
 //! Role: [`try_modules`] links the programs of a scene, evaluates some places of its picture, and renders a few rays of a
 //! shipped object, all in a child ([`serve`]). Invariant: one budget of processor time and memory; a scene of
-//! shipped modules starts no child.
+//! shipped modules starts no child, and modules that cannot be tried are refused.
 
 use hypertexture::gpu::{Gpu, Options};
 use hypertexture::render::variant::{Checkable, Purpose, Variant, VariantError};
@@ -53,10 +53,8 @@ struct Job {
 enum Answer {
     /// The modules are good; milliseconds of the rays, if drawn.
     Good(Option<f64>),
-    /// They are refused, with the reason.
+    /// They are refused, or cannot be tried, with the reason.
     Bad(String),
-    /// They could not be tried, with the reason.
-    Untried(String),
 }
 
 /// Files of a scene's programs that differ from the shipped ones.
@@ -143,10 +141,6 @@ pub fn try_modules(
     let error = match (answer, stages) {
         (Ok(Answer::Good(ms)), _) => return Ok(ms),
         (Ok(Answer::Bad(text)), _) => return Err(CompileError::Refused(text)),
-        (Ok(Answer::Untried(reason)), _) => {
-            log::debug!("{names}: no rays are tried: {reason}");
-            return Ok(None);
-        }
         (Err(ended @ (Ended::Cancelled | Ended::Unfit(_))), _) => return Err(CompileError::of(ended, program)),
         (Err(ended), 0) => CompileError::of(ended, program),
         (Err(ended), 1) => CompileError::Evaluated(ended.to_string()),
@@ -182,7 +176,8 @@ fn tried(job: Job, options: &Options, stage: &mut dyn FnMut() -> io::Result<()>)
     };
     let (small, subject) = match load() {
         Ok(loaded) => loaded,
-        Err(error) => return Ok(Answer::Untried(error.to_string())), // a missing object is not a fault of the modules
+        // What cannot be loaded, such as a groom, cannot be drawn either.
+        Err(error) => return Ok(Answer::Bad(error.to_string())),
     };
     match try_custom_modules(&library, &small, &subject) {
         Err(error) => return Ok(Answer::Bad(error.to_string())),
@@ -191,7 +186,7 @@ fn tried(job: Job, options: &Options, stage: &mut dyn FnMut() -> io::Result<()>)
     }
     let gpu = match Gpu::new(&Options { validation: false, cache: None, ..options.clone() }) {
         Ok(gpu) => gpu,
-        Err(error) => return Ok(Answer::Untried(error.to_string())), // nor is a missing device
+        Err(error) => return Ok(Answer::Bad(error.to_string())),
     };
     Ok(match drawn(&gpu, &library, &small, &subject) {
         Ok(ms) => Answer::Good(Some(ms)),

@@ -12,7 +12,7 @@ use crate::render::camera::{FrameContext, SlicePlanes, SubFrame, View};
 use crate::render::error::RenderError;
 use crate::render::texture::{self, Bricks, Encoding, Texels};
 use crate::render::variant::{Program, Resource, Use, Variant, bindings};
-use crate::shader::Library;
+use crate::shader::{Library, suffixed};
 use crate::shape::Groom;
 use std::cell::Cell;
 
@@ -143,7 +143,7 @@ impl StoredObjects {
         values.named.extend(moment(frame, sub_frame));
         for item in &items {
             let speeds = item.parameters.held_speeds(sub_frame.time);
-            values.named.extend(speeds.map(|(name, speed)| (format!("{name}{}", item.suffix), vec![speed])));
+            values.named.extend(speeds.map(|(name, speed)| (suffixed(name, &item.suffix), vec![speed])));
         }
         values.named.extend(frame.space.values().map(|(name, floats)| (name.to_string(), floats)));
         values

@@ -7,6 +7,7 @@ use crate::render::error::RenderError;
 use crate::render::texture::transfer_texel;
 use crate::render::variant::{Blocks, Program, Use, Variant};
 use crate::scene::{Integration, Jitter, ParameterValue};
+use crate::shader::suffixed;
 use std::collections::HashMap;
 
 /// Values of the members of all blocks.
@@ -90,7 +91,7 @@ pub(crate) fn values(frame: &FrameContext, items: &[ObjectInputs<'_>], time: f64
     set("turbulence_cycle", &[turbulence.cycle as f32]);
     set("random_mean", &[noise_blocks::random_mean(scene)]);
     for item in items {
-        set_object(item, view, &mut |name, floats| set(&format!("{name}{}", item.suffix), floats));
+        set_object(item, view, &mut |name, floats| set(&suffixed(name, &item.suffix), floats));
     }
     Values { named, time: time as f32 }
 }

@@ -12,6 +12,7 @@ use crate::shader::{Library, LinkError, Linker, Parameter, Slots, counting, link
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::iter;
+use std::sync::Mutex;
 
 /// Entries of rays: fragment shaders, and compute shaders that give the same bits.
 const COMPUTE_ENTRIES: [(&str, &str); 4] = [
@@ -22,8 +23,6 @@ const COMPUTE_ENTRIES: [(&str, &str); 4] = [
 ];
 /// Entry files of the pictures whose operations are counted.
 const COUNTED_ENTRIES: [&str; 3] = ["march.frag", "march.frag#compute", "slice.frag"];
-/// Parts of GLSL that fragment shaders alone have.
-const FRAGMENT_ONLY: [&str; 4] = ["gl_Frag", "dFd", "fwidth", "texture("];
 /// Replacements, in programs of shadows and depth, of modules that color and light matter.
 const SHADOW_SLOTS: [(&str, &str); 4] =
     [("surface", "unlit"), ("medium", "material"), ("shadow", "none"), ("gradient", "analytic")];
@@ -171,17 +170,29 @@ impl Variant {
             _ if quality.msaa > 1 => "quality.msaa shades samples of a pixel".into(),
             _ if quality.target != TargetFormat::Float32 => "it stores quality.target = float32".into(),
             Some((_, compute)) => {
-                let foreign = |(path, text): &(String, String)| {
-                    let part = FRAGMENT_ONLY.into_iter().find(|part| text.contains(part));
-                    part.filter(|_| self.reaches(library, path)).map(|part| format!("{path} has `{part}`"))
-                };
-                match crate::shader::changed(library).into_iter().find_map(|file| foreign(&file)) {
-                    None => return Ok(Variant { entries: [vertex, compute], ..self.clone() }),
-                    Some(why) => format!("{why}, which compute shaders lack"),
+                let own = Variant { entries: [vertex, compute], ..self.clone() };
+                match own.refused(library) {
+                    None => return Ok(own),
+                    Some(why) => format!("it cannot be a compute shader: {why}"),
                 }
             }
         };
         Err(why)
+    }
+
+    /// Why the program cannot be linked; shipped modules can. Asked once for each program.
+    fn refused(&self, library: &Library) -> Option<String> {
+        static KNOWN: Mutex<BTreeMap<[u8; 32], Option<String>>> = Mutex::new(BTreeMap::new());
+        let is_own = crate::shader::changed(library).into_keys().any(|path| self.reaches(library, &path));
+        let key = is_own.then(|| *self.text_hash(library).as_bytes())?;
+        let known = || KNOWN.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        if let Some(known) = known().get(&key) {
+            return known.clone();
+        }
+        let error = self.program(library, Linker::new).err().map(|error| error.to_string());
+        let why = error.map(|text| text.lines().next().unwrap_or_default().to_string());
+        known().insert(key, why.clone());
+        why
     }
 
     /// Whether its rays are traced by a compute shader.

@@ -1,8 +1,11 @@
 //! Restrictions on programs with user text: no arrays that keep a driver busy for minutes (glslang compiles one of 400 MB at
 //! once), and no access beyond the bindings, such as buffer addresses.
 
+use super::error::names;
+use crate::shader::find_word;
+use crate::shader::library::own_names;
 use crate::shader::spirv::{Capability, Op, StorageClass, instructions};
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// Largest array in bytes. The time of lavapipe for a pipeline grows with the square: 2 s for 4 KiB, 20 s for 16 KiB.
 const MAX_ARRAY: u64 = 4 << 10;
@@ -17,8 +20,16 @@ const CAPABILITIES: [Capability; 5] = [
     Capability::DerivativeControl,
 ];
 
-/// The reason why a SPIR-V module must not reach a driver, if any.
-pub fn refusal(module: &[u32]) -> Option<String> {
+/// Features of GLSL that need a capability: its number, the beginnings of their words, and what to do.
+const FEATURES: [(Capability, &[&str], &str); 4] = [
+    (Capability::Float64, &["double", "dvec", "dmat"], "use float"),
+    (Capability::ImageGatherExtended, &["textureGather"], "use textureLod"),
+    (Capability::SampleRateShading, &["gl_Sample"], "leave it out"),
+    (Capability::InterpolationFunction, &["interpolateAt"], "leave it out"),
+];
+
+/// The reason why a SPIR-V module must not reach a driver, if any; with the changed file and its line, or all of them.
+pub fn refusal(module: &[u32], changed: &BTreeMap<String, String>) -> Option<String> {
     let foreign = |instruction: (Op, &[u32])| match instruction {
         (Op::Capability, &[_, number]) => {
             Some(number).filter(|n| !CAPABILITIES.iter().any(|known| *known as u32 == *n))
@@ -26,17 +37,37 @@ pub fn refusal(module: &[u32]) -> Option<String> {
         _ => None,
     };
     if let Some(number) = instructions(module).find_map(foreign) {
-        return Some(format!(
-            "it requires capability {number} of SPIR-V, which modules may not use: remove its `#extension`"
-        ));
+        return Some(required(number, changed));
     }
+    let names = names(changed);
     let Arrays { largest: (bytes, kind), all } = Arrays::of(module);
     let why = "since drivers take minutes to compile more; compute its elements, or use fewer";
     if bytes > MAX_ARRAY {
-        return Some(format!("{kind} of {bytes} bytes; one may have at most {MAX_ARRAY}, {why}"));
+        return Some(format!("{names}: {kind} of {bytes} bytes; one may have at most {MAX_ARRAY}, {why}"));
     }
     (all > MAX_ARRAYS).then(|| {
-        format!("arrays of {all} bytes in all its functions together; they may have at most {MAX_ARRAYS}, {why}")
+        format!(
+            "{names}: arrays of {all} bytes in all its functions together; they may have at most {MAX_ARRAYS}, {why}"
+        )
+    })
+}
+
+/// Text for a capability that modules may not use.
+fn required(number: u32, changed: &BTreeMap<String, String>) -> String {
+    let feature = FEATURES.iter().find(|(capability, ..)| *capability as u32 == number);
+    let named = feature.and_then(|(_, words, remedy)| {
+        let found = changed.iter().find_map(|(path, text)| {
+            let own = own_names(path, text);
+            let is_of = |word: &str| words.iter().any(|start| word.starts_with(start)) && !own.contains(word);
+            Some((path, find_word(text, is_of)?))
+        });
+        let (path, (line, word)) = found?;
+        Some(format!("{path}:{line}: `{word}` is a feature that devices may lack; {remedy}"))
+    });
+    named.unwrap_or_else(|| {
+        let has_extension = |text: &String| text.contains("#extension");
+        let remedy = if changed.values().any(has_extension) { ": remove its `#extension`" } else { "" };
+        format!("{}: it requires capability {number} of SPIR-V, which modules may not use{remedy}", names(changed))
     })
 }
 
@@ -110,8 +141,19 @@ mod tests {
         let address = "#extension GL_EXT_buffer_reference : require\nlayout(buffer_reference) buffer B { vec4 v; };\n\
                        layout(push_constant) uniform P { B b; };\nlayout(location = 0) out vec4 o;\n\
                        void main() { o = b.v; }";
-        let refused = refusal(&linked(address)).unwrap();
-        assert!(refused.contains("capability 5347 of SPIR-V"), "{refused}");
+        let changed = |text: &str| BTreeMap::from([("dmf/a.glsl".to_string(), text.to_string())]);
+        let refused = refusal(&linked(address), &changed(address)).unwrap();
+        assert!(
+            refused.contains("capability 5347 of SPIR-V, which modules may not use: remove its `#ext"),
+            "{refused}"
+        );
+        let double =
+            "layout(location = 0) out vec4 o;\nvoid main() { double x = double(gl_FragCoord.x);\no = vec4(x); }";
+        let refused = refusal(&linked(double), &changed(double)).unwrap();
+        assert!(
+            refused.starts_with("dmf/a.glsl:2: `double` is a feature") && refused.ends_with("use float"),
+            "{refused}"
+        );
     }
 
     #[test]

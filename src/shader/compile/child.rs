@@ -4,8 +4,9 @@
 //! compiled in a child, which links a [`Job`] and answers with the programs.
 
 use super::allowed::refusal;
-use super::error::{CompileError, Fault, MAX_SOURCE};
-use crate::shader::{self, Library, LinkError, Linker, Slots, Stage};
+use super::error::{CompileError, MAX_SOURCE, names};
+use super::explain::{check, explained};
+use crate::shader::{self, LinkError, Linker, Slots, Stage, find_word, undefined};
 use hypertexture_support::jobs::{Child, Limits, Parent};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -73,46 +74,60 @@ pub fn serve(mut parent: Parent) -> io::Result<()> {
     parent.tell(&link(&job).map_err(|error| error.to_string()), &[])
 }
 
-/// The changed files as a list for messages.
-pub fn names(changed: &BTreeMap<String, String>) -> String {
-    changed.keys().cloned().collect::<Vec<_>>().join(", ")
-}
-
 /// Links both stages in this process, and applies the restrictions on user text.
+///
+/// # Errors
+/// Errors of the compiler, text that a driver must not see, and undefined values: see [`undefined`].
 pub fn link(job: &Job) -> Result<Stages, LinkError> {
     let library = shader::shipped_with(job.changed.clone());
-    let linker = if job.is_optimized { Linker::new()? } else { Linker::new()?.unoptimized() };
     let entries = job.entries.each_ref().map(String::as_str);
-    let link = |entry| linker.link(&library, entry, Stage::of(entry), &entries, &job.slots);
-    let stages = link(entries[0]).and_then(|vertex| Ok([vertex, link(entries[1])?]));
-    let stages = stages.map_err(|error| missing(&library, &job.slots, error))?;
-    match stages.iter().find_map(|module| refusal(module)) {
-        Some(refusal) => Err(LinkError::Compile(format!("{}: {refusal}", names(&job.changed)))),
-        None => Ok(stages),
+    check(&library, entries, &job.slots, &job.changed)?;
+    let link = |is_optimized: bool| {
+        let linker = if is_optimized { Linker::new()? } else { Linker::new()?.unoptimized() };
+        let link = |entry| linker.link(&library, entry, Stage::of(entry), &entries, &job.slots);
+        let stages = link(entries[0]).and_then(|vertex| Ok([vertex, link(entries[1])?]));
+        stages.map_err(|error| explained(&library, &job.slots, &job.changed, error))
+    };
+    let stages = link(job.is_optimized)?;
+    if let Some(refusal) = stages.iter().find_map(|module| refusal(module, &job.changed)) {
+        return Err(LinkError::Compile(refusal));
     }
-}
-
-/// Explains a missing function. The compiler reports it in generated text or in a shipped file.
-fn missing(library: &Library, slots: &Slots, error: LinkError) -> LinkError {
-    let LinkError::Compile(message) = &error else { return error };
-    let files = slots.iter().filter_map(|(key, names)| library.files(key.rsplit('.').next()?, names).ok());
-    let files: Vec<String> = files.flatten().map(|file| file.split('#').next().unwrap_or_default().into()).collect();
-    let is_changed = |file: &String| shader::shipped().source(file) != library.source(file);
-    if Fault::all(message).into_iter().any(|fault| fault.at.is_some_and(|(file, _)| is_changed(&file))) {
-        return error;
-    }
-    let lacking = files.iter().filter(|file| is_changed(file)).find_map(|file| Some((file, library.lacking(file)?)));
-    match lacking {
-        None => error,
-        Some((file, (head, found))) => {
-            let found = if found.is_empty() { "no function".into() } else { found.join(", ") };
-            LinkError::Compile(format!("{file}: it has no `{head}`, by which it is called; it has {found}"))
+    let whole = if job.is_optimized { link(false)? } else { stages.clone() };
+    let text_of = |file: &str| job.changed.get(path_of(file)).map(String::as_str);
+    for module in &whole {
+        let found = undefined(module, &text_of);
+        let found = found.map_err(|reason| LinkError::Compile(format!("{}: {reason}", names(&job.changed))))?;
+        if let Some(first) = found.found.first() {
+            return Err(LinkError::Compile(at_its_name(first, &job.changed)));
         }
     }
+    Ok(stages)
+}
+
+/// Path of a file that may belong to an additional object, `stone:dmf/fur.glsl`, or be a copy, `dmf/fur.glsl#2`.
+fn path_of(file: &str) -> &str {
+    file.split('#').next().unwrap_or_default().rsplit(':').next().unwrap_or_default()
+}
+
+/// A message `file:line: text` with the line, from there on, that has the name of the text: the compiler gives some
+/// expressions the line of the one before.
+fn at_its_name(message: &str, changed: &BTreeMap<String, String>) -> String {
+    let moved = || {
+        let (file, rest) = message.split_at(message.find(".glsl")? + ".glsl".len());
+        let (copy, rest) = rest.split_once(':')?;
+        let (line, text) = rest.split_once(": ")?;
+        let (line, name) = (line.parse::<usize>().ok()?, text.split('`').nth(1)?);
+        let source = changed.get(path_of(file))?;
+        let has_name = |line: &str| find_word(line, |word| word == name).is_some();
+        let later = source.lines().skip(line - 1).position(has_name).filter(|later| *later <= 1)?;
+        Some(format!("{file}{copy}:{}: {text}", line + later))
+    };
+    moved().unwrap_or_else(|| message.into())
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::error::Fault;
     use super::*;
 
     #[test]
@@ -125,5 +140,15 @@ mod tests {
         assert_eq!(faults[0].text, "error: 'qq' : undeclared identifier");
         assert_eq!(faults[1].at, Some(("dmf/fire.glsl".into(), 3)));
         assert_eq!(Fault::all("no module `x`"), [Fault { at: None, text: "no module `x`".into() }]);
+    }
+
+    #[test]
+    fn a_message_has_the_line_of_its_name() {
+        let changed =
+            BTreeMap::from([("dmf/a.glsl".to_string(), "float a() {\nbool b;\nreturn b ? 1.0 : 0.0;\n}".into())]);
+        let moved = |message: &str| at_its_name(message, &changed);
+        assert_eq!(moved("stone:dmf/a.glsl#2:1: `b` is read"), "stone:dmf/a.glsl#2:2: `b` is read");
+        assert_eq!(moved("dmf/a.glsl:3: `b` is read"), "dmf/a.glsl:3: `b` is read");
+        assert_eq!(moved("dmf/a.glsl:3: `q` is read"), "dmf/a.glsl:3: `q` is read");
     }
 }

@@ -1,6 +1,7 @@
 //! Errors of user text, with their places.
 
 use hypertexture_support::jobs::Ended;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Longest module text that is compiled, in bytes.
@@ -90,6 +91,11 @@ impl CompileError {
             Ended::Unfit(reason) => CompileError::Run { path: program.into(), reason },
         }
     }
+}
+
+/// The changed files as a list for messages.
+pub fn names(changed: &BTreeMap<String, String>) -> String {
+    changed.keys().cloned().collect::<Vec<_>>().join(", ")
 }
 
 /// One error in a text.

@@ -3,8 +3,9 @@
 mod allowed;
 mod child;
 mod error;
+mod explain;
 
 pub use allowed::refusal;
-pub use child::{JOB, Job, check_lengths, compile, link, names, serve};
-pub use error::{CompileError, Fault};
+pub use child::{JOB, Job, check_lengths, compile, link, serve};
+pub use error::{CompileError, Fault, names};
 pub use hypertexture_support::jobs::Limits;

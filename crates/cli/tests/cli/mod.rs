@@ -23,6 +23,7 @@ mod release;
 mod sequences;
 mod shards;
 mod strangers;
+mod undefined;
 mod verify;
 mod volumes;
 mod web;

@@ -237,6 +237,7 @@ impl<'m> Lower<'m> {
             _ => return Err(self.uncovered("an array of images")),
         };
         let count = ty.count();
+        self.watch_index(index, count);
         let (element, _) = ty.element(0).ok_or_else(|| self.uncovered("an index into a scalar"))?;
         let size = element.size();
         let parts = regs.iter().flat_map(|regs| regs.chunks_exact(size).map(Rc::from));
@@ -275,7 +276,7 @@ impl<'m> Lower<'m> {
     }
 
     /// Copies the current value of a variable.
-    fn copy(&mut self, reg: Reg) -> Reg {
+    pub fn copy(&mut self, reg: Reg) -> Reg {
         let dst = self.register(reg.file, Class::Temporary);
         self.push(Instr::new(Op::Copy, dst, &[reg]));
         dst

@@ -1,5 +1,6 @@
 //! Lowering of functions and statements: calls are inlined, pointers become registers.
 
+use super::faults::{Watch, Watching};
 use super::types::{Lowered, Ty, Value, Variable, is_private};
 use super::walk::{any, blocks, roots};
 use super::words::{Words, unknown_place};
@@ -38,9 +39,10 @@ pub struct Lower<'m> {
     /// Byte of the current expression in the words.
     here: Option<usize>,
     /// Place of the current expression in the source.
-    at: At,
+    pub at: At,
     /// Numbers of [`Code::places`].
     places: HashMap<String, At>,
+    pub watching: Option<Watching<'m>>,
 }
 
 /// A function that is being inlined.
@@ -53,7 +55,11 @@ pub struct CallFrame<'m> {
 }
 
 /// The program of the fragment stage, and the class of each of its registers.
-pub fn lower(module: &Module, words: &Words) -> Result<(Code, [Vec<Class>; 3]), ExactError> {
+pub fn lower<'m>(
+    module: &'m Module,
+    words: &'m Words,
+    watch: Option<&'m Watch<'m>>,
+) -> Result<(Code, [Vec<Class>; 3]), ExactError> {
     let mut lower = Lower {
         module,
         words,
@@ -69,7 +75,11 @@ pub fn lower(module: &Module, words: &Words) -> Result<(Code, [Vec<Class>; 3]), 
         here: None,
         at: At::default(),
         places: HashMap::new(),
+        watching: None,
     };
+    if let Some(watch) = watch {
+        lower.begin(watch, words);
+    }
     let entry = module.entry_points.iter().find(|entry| entry.stage == naga::ShaderStage::Fragment);
     let entry = entry.ok_or_else(|| ExactError::Spirv("it has no fragment stage".into()))?;
     let functions = module.functions.iter().map(|(_, function)| function).chain([&entry.function]);
@@ -219,7 +229,7 @@ impl<'m> Lower<'m> {
                 Some(init) if !stored.contains(&handle) => Variable { ty, choices: vec![init.regs], index: None },
                 None if merged => self.variable(ty, Class::Merged),
                 init => {
-                    let init = init.unwrap_or_else(|| self.zero(ty.clone())).regs.to_vec();
+                    let init = init.unwrap_or_else(|| self.filled(ty.clone())).regs.to_vec();
                     let place = self.variable(ty, Class::Variable);
                     for (dst, value) in place.choices[0].clone().iter().zip(init) {
                         self.assign(*dst, value);
@@ -265,10 +275,20 @@ impl<'m> Lower<'m> {
 
     /// The zero of a type.
     pub fn zero(&mut self, ty: Ty) -> Value {
+        self.all(ty, 0.0)
+    }
+
+    /// The initial value of a variable without one.
+    fn filled(&mut self, ty: Ty) -> Value {
+        self.all(ty, self.fill())
+    }
+
+    /// The value of a type whose scalars are all alike.
+    fn all(&mut self, ty: Ty, x: f64) -> Value {
         let regs = ty.kinds().into_iter().map(|kind| match kind.file() {
-            File::Float => self.float(0.0),
-            File::Int => self.int(0, false),
-            File::Bool => self.source(File::Bool, Source::Bool(false)),
+            File::Float => self.float(x),
+            File::Int => self.int(x as u32, false),
+            File::Bool => self.source(File::Bool, Source::Bool(x != 0.0)),
         });
         let regs = regs.collect();
         Value::new(ty, regs)

@@ -1,6 +1,7 @@
 //! Lowering of a module of naga to instructions over registers.
 
 mod expr;
+pub mod faults;
 pub mod function;
 mod io;
 mod math;
@@ -8,4 +9,5 @@ mod ops;
 mod statement;
 mod types;
 mod walk;
+mod watch;
 pub mod words;

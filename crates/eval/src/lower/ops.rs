@@ -98,6 +98,9 @@ impl Lower<'_> {
         use BinaryOperator as B;
         let signed = kind.signed();
         let integer = matches!(kind, Kind::Sint | Kind::Uint);
+        if integer && matches!(op, B::Divide | B::Modulo) {
+            self.watch_divisor(b);
+        }
         let (less, less_equal) = if integer {
             (Op::IntLess, None)
         } else {

@@ -65,12 +65,12 @@ impl<'m> Lower<'m> {
                     let variable = self.variable_of(frame, *pointer)?;
                     self.store(&variable, &value);
                 }
-                Statement::Call { function, arguments, result } => {
-                    let arguments = arguments
-                        .iter()
-                        .map(|argument| self.lowered(frame, *argument))
-                        .collect::<Result<Vec<_>, _>>()?;
-                    let value = self.call(&self.module.functions[*function], arguments)?;
+                Statement::Call { function, arguments: passed, result } => {
+                    let arguments =
+                        passed.iter().map(|argument| self.lowered(frame, *argument)).collect::<Result<Vec<_>, _>>()?;
+                    let callee = &self.module.functions[*function];
+                    let value = self.call(callee, arguments)?;
+                    self.watch_call(frame, (callee, passed.as_slice()), value.as_ref());
                     if let (Some(result), Some(value)) = (result, value) {
                         frame.lowered.insert(*result, Lowered::Value(value));
                     }

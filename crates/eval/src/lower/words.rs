@@ -11,6 +11,9 @@ const HEADER: usize = 5;
 pub struct Words {
     pub words: Vec<u32>,
     files: HashMap<u32, String>,
+    names: HashMap<u32, String>,
+    /// File of each function, by the ID of the function.
+    functions: HashMap<u32, u32>,
     /// First word, file and line of each range of words, in order.
     lines: Vec<(usize, u32, u32)>,
     /// Words before the functions that naga leaves out of the spans of expressions: lists at the ends of instructions.
@@ -35,8 +38,15 @@ impl Words {
         if spirv.len() < HEADER || spirv[0] != spirv::MAGIC_NUMBER {
             return Err(ExactError::Spirv("it does not start with the magic number of SPIR-V".into()));
         }
-        let mut found =
-            Words { words: spirv[..HEADER].to_vec(), files: HashMap::new(), lines: Vec::new(), uncounted: 0 };
+        let mut found = Words {
+            words: spirv[..HEADER].to_vec(),
+            files: HashMap::new(),
+            names: HashMap::new(),
+            functions: HashMap::new(),
+            lines: Vec::new(),
+            uncounted: 0,
+        };
+        let mut function = None; // before its first line
         let mut specialized = HashMap::new();
         let mut at = HEADER;
         while at < spirv.len() {
@@ -59,7 +69,18 @@ impl Words {
                     found.files.insert(id(1), text(&instruction[2..]));
                     found.words.extend(instruction);
                 }
-                Some(Op::Line) => found.lines.push((found.words.len(), id(1), id(2))),
+                Some(Op::Line) => {
+                    found.functions.extend(function.take().map(|function| (function, id(1))));
+                    found.lines.push((found.words.len(), id(1), id(2)));
+                }
+                Some(Op::Name) => {
+                    found.names.insert(id(1), text(&instruction[2..]));
+                    found.words.extend(instruction);
+                }
+                Some(Op::Function) => {
+                    function = Some(id(2));
+                    found.words.extend(instruction);
+                }
                 Some(Op::NoLine) => found.lines.push((found.words.len(), 0, 0)),
                 Some(Op::ModuleProcessed) => {}
                 Some(Op::Decorate) if id(2) == spirv::Decoration::SpecId as u32 => {
@@ -83,6 +104,11 @@ impl Words {
             }
         }
         Ok(found)
+    }
+
+    /// Name and file of each function.
+    pub fn functions(&self) -> impl Iterator<Item = (&String, &String)> {
+        self.functions.iter().filter_map(|(function, file)| Some((self.names.get(function)?, self.files.get(file)?)))
     }
 
     /// File and line of a byte of the words.
