@@ -6,6 +6,7 @@
 //! files. World space is right-handed; built-in objects have y up, files keep their coordinates.
 
 mod axes;
+mod bodies;
 mod bounds;
 mod brush;
 mod built_in;
@@ -56,6 +57,7 @@ mod write_values;
 mod write_volume;
 
 pub use axes::Axes;
+pub use bodies::Body;
 pub use bounds::{Bounds, MAX_COORDINATE};
 pub use brush::{Brush, BrushKind};
 pub use built_in::BUILT_IN;

@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 /// Normal and color of each vertex of a mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Looks {
-    /// Unit vectors outward.
+    /// Unit vectors outward; empty if there are none.
     pub normals: Vec<Vec3>,
     /// Linear RGB in \[0, 1\].
     pub colors: Vec<[f32; 3]>,
@@ -26,6 +26,25 @@ impl Looks {
 pub(super) fn channel(value: f64) -> f32 {
     if value > 0.0 { value.min(1.0) as f32 } else { 0.0 }
 }
+
+/// Full scale of color channels whose file declares none: 1, or that of the codes that values above 1 must be. The second value is
+/// a note about this assumption.
+pub(super) fn full_scale(colors: &[[f32; 3]]) -> (f64, Option<String>) {
+    let all = colors.as_flattened();
+    let largest = all.iter().copied().fold(0.0, f32::max);
+    let are_whole = || all.iter().all(|value| value.fract() == 0.0);
+    let codes = [255.0, 65_535.0, u32::MAX as f32].into_iter().find(|full| largest <= *full);
+    match codes {
+        _ if largest <= ALMOST_ONE => (1.0, None),
+        Some(full) if largest > 2.0 || are_whole() => {
+            (full.into(), Some(format!("colors reach {largest}: read as codes of 0 to {full}")))
+        }
+        _ => (1.0, Some(format!("colors reach {largest}: values above 1 count as 1"))),
+    }
+}
+
+/// The largest value of a channel that is 1 but for rounding.
+const ALMOST_ONE: f32 = 1.001;
 
 /// Linear light of a channel in sRGB.
 pub(super) fn linear(code: f64) -> f32 {

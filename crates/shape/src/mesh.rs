@@ -63,6 +63,19 @@ impl Mesh {
         !self.colors.is_empty() || !self.paint.spots.is_empty()
     }
 
+    /// Linear RGB of each vertex, materials and textures included; white where a material gives none. Empty without colors.
+    pub fn vertex_colors(&self) -> Vec<[f32; 3]> {
+        if self.paint.spots.len() != self.positions.len() {
+            return self.colors.clone();
+        }
+        let color = |(index, own): (usize, &[f32; 3])| {
+            let painted = self.paint.color([index as u32; 3], |[a, ..]: [f32; 3]| a).unwrap_or([1.0; 3]);
+            [0, 1, 2].map(|channel| own[channel] * painted[channel])
+        };
+        let white = vec![[1.0; 3]; if self.colors.is_empty() { self.positions.len() } else { 0 }];
+        self.colors.iter().chain(&white).enumerate().map(color).collect()
+    }
+
     /// Points of its triangles with their colors, at most `spacing` apart, world units; none without colors. The color of a
     /// material is a factor of those of vertices.
     pub fn colored_points(&self, spacing: f32) -> impl Iterator<Item = (Vec3, [f32; 3])> + '_ {

@@ -8,7 +8,7 @@ use super::Mesh;
 use super::error::{Location, ShapeError, quoted};
 use super::looks::linear;
 use super::paint::{Material, Spot, Textures, check_spots};
-use super::source::{Source, number, tokens};
+use super::source::{Source, is_absolute, number, tokens};
 use super::texture::{Texture, Wrap};
 use foldhash::HashMap;
 use glam::DVec3;
@@ -76,7 +76,7 @@ impl Faces {
                     _ => tokens(rest).collect(),
                 };
                 names.into_iter().try_for_each(|name| {
-                    let name = file_name(name);
+                    let name = source.found(&file_name(name));
                     let folder = Path::new(&name).parent().unwrap_or(Path::new("")).to_path_buf();
                     let read = source.beside(&name, |part| self.read(part, &folder));
                     read.map_err(|error| error.placed(Location::Line(source.line)))
@@ -125,6 +125,7 @@ impl Faces {
 
     /// Reads an MTL file, which lies in `folder` below that of the OBJ file.
     fn read(&mut self, source: &mut Source, folder: &Path) -> Result<(), ShapeError> {
+        source.skip_mark()?;
         let (mut line, mut own) = (Vec::new(), &mut Mtl::default());
         while source.next_line(&mut line)? {
             let (word, rest) = first_word(&line);
@@ -147,17 +148,21 @@ impl Faces {
 
     /// The mesh of the triangles of its vertices. Textures come before colors of vertices, and those before colors of materials.
     pub fn finish(
-        self,
+        mut self,
         source: &Source,
+        positions: &[DVec3],
         colors: &[[f32; 3]],
-        triangles: Vec<[u32; 3]>,
+        mut triangles: Vec<[u32; 3]>,
     ) -> Result<(Mesh, usize), ShapeError> {
+        let library = std::mem::take(&mut self.library);
         let mut is_used = vec![false; self.materials.len()];
         self.corners.iter().for_each(|[.., material]| is_used[*material as usize] = true);
         let mut materials = vec![Material::default(); self.materials.len()];
         let (mut maps, mut textures) = (vec![None; self.materials.len()], Textures::default());
+        // Material of the faces without texture coordinates of each material.
+        let mut bare_materials: Vec<u32> = (0..self.materials.len() as u32).collect();
         for (index, (name, bare)) in self.materials.iter().enumerate().filter(|(index, _)| is_used[*index]) {
-            let Some(mtl) = self.library.get(name) else {
+            let Some(mtl) = library.get(name) else {
                 if !name.is_empty() {
                     source.note(format!("faces of material {} stay unpainted, no file of mtllib has it", quoted(name)));
                 }
@@ -165,36 +170,65 @@ impl Faces {
             };
             materials[index].color = mtl.color;
             let Some(map) = &mtl.map else { continue };
-            if let Some(line) = bare {
-                let expected = "texture coordinates in a face with a texture, as 7/2";
-                let found = format!("none, and material {}", quoted(name));
-                return Err(source.malformed_at(Location::Line(*line), expected, found));
-            }
             let place = Location::Material(quoted(name));
             let texture = textures.named(source, map.file.clone(), || {
-                source.beside(&map.file, |part| {
+                source.beside(&source.found(&map.file), |part| {
                     let bytes = part.block(part.len, "a picture")?;
                     Texture::decode(part, place.clone(), &bytes)
                 })
             });
             let texture = Some(texture.map_err(|error| error.placed(place))?);
-            materials[index] = Material { color: Some([1.0; 3]), texture, wraps: [map.wrap; 2] };
+            let painted = Material { color: Some([1.0; 3]), texture, wraps: [map.wrap; 2] };
+            let plain = std::mem::replace(&mut materials[index], painted);
             maps[index] = Some(map);
+            if let Some(line) = bare {
+                let (name, bare) = (quoted(name), plain.color.map_or("stay unpainted", |_| "have its color `Kd`"));
+                source.note(format!(
+                    "faces of material {name} without texture coordinates {bare}; the first is in line {line}"
+                ));
+                bare_materials[index] = materials.len() as u32;
+                materials.push(plain);
+            }
         }
         let has_texture = maps.iter().any(Option::is_some);
         let has_colors = !has_texture && !colors.is_empty();
         let has_spots = has_texture || !has_colors && materials.iter().any(|material| material.color.is_some());
-        let own = self.corners.iter().filter(|_| has_colors).map(|[position, ..]| colors[*position as usize]);
-        let spots = self.corners.iter().filter(|_| has_spots).map(|[_, coordinates, material]| {
+        if !has_spots {
+            triangles.as_flattened_mut().iter_mut().for_each(|corner| *corner = self.corners[*corner as usize][0]);
+            return Ok(Mesh::cleaned_with(positions, colors, &[], triangles));
+        }
+        self.unmix(&mut triangles);
+        let spots = self.corners.iter().map(|[_, coordinates, material]| {
             let uv = self.coordinates.get(*coordinates as usize).copied().unwrap_or_default();
-            let uv = maps[*material as usize].map_or(uv, |map| map.moved(uv));
-            Spot { material: *material, uv: uv.map(|part| part as f32) }
+            let uv = maps[*material as usize].map_or(uv, |map| map.moved(uv)).map(|part| part as f32);
+            Spot { material: if *coordinates == NONE { bare_materials[*material as usize] } else { *material }, uv }
         });
-        let (own, spots): (Vec<_>, Vec<_>) = (own.collect(), spots.collect());
+        let spots: Vec<_> = spots.collect();
         check_spots(source, &spots)?;
-        let (mut mesh, dropped) = Mesh::cleaned_with(&self.positions, &own, &spots, triangles);
+        let (mut mesh, dropped) = Mesh::cleaned_with(&self.positions, &[], &spots, triangles);
         mesh.paint.materials = materials;
         Ok((mesh, dropped))
+    }
+}
+
+impl Faces {
+    /// Takes the texture coordinates from the triangles of which a corner has none: they have one material.
+    fn unmix(&mut self, triangles: &mut [[u32; 3]]) {
+        for triangle in triangles {
+            if !triangle.iter().any(|corner| self.corners[*corner as usize][1] == NONE) {
+                continue;
+            }
+            for corner in triangle {
+                let [index, _, material] = self.corners[*corner as usize];
+                let (bare, next) = ([index, NONE, material], self.corners.len() as u32);
+                let place = self.positions[*corner as usize];
+                *corner = *self.vertices.entry(bare).or_insert(next);
+                if *corner == next {
+                    self.corners.push(bare);
+                    self.positions.push(place);
+                }
+            }
+        }
     }
 }
 
@@ -233,7 +267,17 @@ impl Map {
         if rest.is_empty() {
             return Err(source.malformed("the name of a texture after `map_Kd`", rest));
         }
-        map.file = folder.join(file_name(rest)).to_string_lossy().into_owned();
+        // Some programs write the options behind the name.
+        let late =
+            rest.windows(4).position(|part| matches!(part, b" -s " | b" -o " | b" -t " | b" -mm" | b" -bm" | b" -cl"));
+        if let Some(at) = late {
+            let behind = [&rest[at..], b" name"].concat();
+            let options = Map::read(source, behind.trim_ascii(), Path::new(""))?;
+            (map.scale, map.offset, map.wrap) = (options.scale, options.offset, options.wrap);
+            rest = rest[..at].trim_ascii_end();
+        }
+        let name = file_name(rest);
+        map.file = if is_absolute(&name) { name } else { folder.join(name).to_string_lossy().into_owned() };
         Ok(map)
     }
 
@@ -253,5 +297,6 @@ pub(super) fn first_word(text: &[u8]) -> (&[u8], &[u8]) {
 
 /// A name with the separators of folders that this system has.
 fn file_name(bytes: &[u8]) -> String {
+    let bytes = bytes.strip_prefix(b"\"").and_then(|bytes| bytes.strip_suffix(b"\"")).unwrap_or(bytes);
     String::from_utf8_lossy(bytes).replace('\\', "/")
 }

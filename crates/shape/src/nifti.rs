@@ -61,7 +61,8 @@ fn read_unpacked(source: &mut Source, compression: Compression) -> Result<Shape,
     }
     let is_whole = source.peek()?.is_empty();
     let header = Header::new(source, &bytes[..filled], is_whole)?;
-    let (raster, offset, is_pair) = (header.raster(compression)?, header.offset()?, header.is_pair());
+    let raster = header.raster(compression)?;
+    let (offset, is_pair) = (header.offset(raster.placement.voxels() * raster.kind.bytes())?, header.is_pair());
     if !is_pair {
         let before = Some(offset - source.offset);
         return raster.read(source, &Data { before, ..Data::HERE });
@@ -74,6 +75,6 @@ fn read_unpacked(source: &mut Source, compression: Compression) -> Result<Shape,
         _ => (Path::new(own).with_extension("img"), Compression::None, [offset, 0]),
     };
     let files = Some(DataFiles::Named(vec![name.to_string_lossy().into_owned()]));
-    let data = Data { files, lines: 0, before: Some(before), inside };
+    let data = Data { files, lines: 0, before: Some(before), inside: Some(inside) };
     Raster { compression, ..raster }.read(source, &data)
 }

@@ -172,7 +172,10 @@ impl<'s, 'a> Header<'s, 'a> {
     }
 
     /// Offset of the data in its file.
-    pub fn offset(&self) -> Result<u64, ShapeError> {
+    ///
+    /// # Parameters
+    /// `bytes`: those of the data.
+    pub fn offset(&self, bytes: u64) -> Result<u64, ShapeError> {
         let at = self.layout.offset;
         let offset = if self.layout.is_wide { self.integer(at, 8) as f64 } else { self.number(at) };
         // 4 bytes after the header flag extensions.
@@ -181,11 +184,22 @@ impl<'s, 'a> Header<'s, 'a> {
             self.source.note(format!("vox_offset is 0: its data is read right after the header, from byte {least}"));
             return Ok(least as u64);
         }
+        if offset == self.layout.bytes as f64 && least > 0 {
+            return Ok(self.without_flag(bytes));
+        }
         if offset.fract() != 0.0 || !(least as f64..=MAX_UNPACKED_SKIP as f64).contains(&offset) {
             let expected = "a vox_offset of whole bytes after the header (352, for NIfTI-2 544, or more, up to 2^28)";
             return Err(self.malformed(at, expected, offset.to_string()));
         }
         Ok(offset as u64)
+    }
+
+    /// Offset of the data of a file whose header says that no 4 bytes for extensions follow it: the length of the file tells.
+    fn without_flag(&self, bytes: u64) -> u64 {
+        let header = self.layout.bytes as u64;
+        let offset = if self.source.len == header + 4 + bytes { header + 4 } else { header };
+        self.source.note(format!("vox_offset is {header}: its data is read from byte {offset}"));
+        offset
     }
 
     pub fn raster(&self, compression: Compression) -> Result<Raster, ShapeError> {
@@ -238,6 +252,13 @@ impl<'s, 'a> Header<'s, 'a> {
         }
         let sizes: Vec<i64> = (1..=dimensions as usize).map(|i| self.integer(at + i * width, width)).collect();
         let shown = || sizes.iter().map(|size| size.to_string()).collect::<Vec<_>>().join(" x ");
+        let has_zeros = sizes.iter().skip(3).any(|size| *size == 0);
+        if has_zeros {
+            self.source.note(format!("it has sizes of {}: those of 0 beyond the third are read as 1", shown()));
+        }
+        let read = |(axis, size)| if axis > 2 && size == 0 { 1 } else { size };
+        let sizes: Vec<i64> = sizes.into_iter().enumerate().map(read).collect();
+        let shown = || sizes.iter().map(|size| size.to_string()).collect::<Vec<_>>().join(" x ");
         if sizes.iter().any(|size| *size < 1) {
             return Err(self.malformed(at + width, "sizes of at least 1", shown()));
         }
@@ -260,8 +281,8 @@ impl<'s, 'a> Header<'s, 'a> {
             Some(Ok(kind)) => {
                 let bits = self.integer(self.layout.bitpix, 2);
                 if bits != 0 && bits as u64 != 8 * kind.bytes() {
-                    let expected = "as many bits as the datatype has";
-                    return Err(self.malformed(self.layout.bitpix, expected, format!("{bits} for {kind}")));
+                    let own = 8 * kind.bytes();
+                    self.source.note(format!("bitpix is {bits}: the {own} bits of its datatype, {kind}, are read"));
                 }
                 Ok(kind)
             }
@@ -305,10 +326,16 @@ impl<'s, 'a> Header<'s, 'a> {
             false => [0, 1].map(|i| self.integer(layout.codes + i * code, code)),
         };
         let rows_at = layout.forms + 6 * number;
-        let (at, origin, steps) = if sform > 0 {
-            let [x, y, z] = [0, 4, 8].map(|i| self.numbers::<4>(rows_at + i * number));
-            let column = |i: usize| DVec3::new(x[i], y[i], z[i]);
-            (rows_at, column(3), DMat3::from_cols(column(0), column(1), column(2)))
+        let [x, y, z] = [0, 4, 8].map(|i| self.numbers::<4>(rows_at + i * number));
+        let column = |i: usize| DVec3::new(x[i], y[i], z[i]);
+        let rows = DMat3::from_cols(column(0), column(1), column(2));
+        let is_blank = sform > 0 && rows == DMat3::ZERO;
+        if is_blank {
+            let other = if qform > 0 { "the qform" } else { "pixdim" };
+            self.source.note(format!("its sform has no directions: {other} is read"));
+        }
+        let (at, origin, steps) = if sform > 0 && !is_blank {
+            (rows_at, column(3), rows)
         } else {
             let [side, sizes @ ..]: [f64; 4] = self.numbers(layout.pixdim);
             let sizes = or_usual(self.source, "pixdim", sizes, 0.0, 1.0);

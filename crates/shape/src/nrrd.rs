@@ -4,12 +4,12 @@
 //! Kindlmann, "Definition of NRRD file format", teem.sourceforge.net/nrrd/format.html.
 
 use super::data_files::DataFiles;
-use super::error::{Location, ShapeError};
+use super::error::{Location, ShapeError, quoted};
 use super::fields::{Fields, finite_or_nan};
 use super::placement::{self, Placement};
 use super::raster::{Compression, Data, MAX_UNPACKED_SKIP, Raster};
 use super::source::Source;
-use super::space::{Space, or_usual, three_axes};
+use super::space::{Space, listed, or_usual, three_axes};
 use super::{Content, SampleType, Shape};
 use glam::{DMat3, DVec3};
 use std::ops::RangeInclusive;
@@ -118,7 +118,10 @@ impl Header {
             let is_new = if text.starts_with('#') {
                 true
             } else if let Some((key, value)) = text.split_once(":=") {
-                read.keys.insert(source, key.to_owned(), value)
+                if !read.keys.insert(source, key.to_owned(), value) {
+                    source.note(format!("the key {} is there twice: its last value counts", quoted(key.as_bytes())));
+                }
+                true
             } else if let Some((name, value)) = text.split_once(": ") {
                 read.fields.insert(source, name.to_ascii_lowercase().replace(' ', ""), value)
             } else {
@@ -144,16 +147,17 @@ impl Header {
             Some(Err(_)) => return Err(self.fields.malformed("lineskip", "a number of lines")),
         };
         let (before, inside) = match (self.fields.get("byteskip").map(str::parse::<i64>), compression) {
-            (None, _) => (Some(0), 0),
-            (Some(Ok(-1)), Compression::None) => (None, 0),
-            (Some(Ok(-1)), _) => {
-                return Err(self.fields.unsupported("byteskip", "only raw data can be found from its end"));
+            (None, _) => (Some(0), Some(0)),
+            (Some(Ok(-1)), Compression::None) => (None, Some(0)),
+            (Some(Ok(-1)), Compression::Text | Compression::Hex) => {
+                return Err(self.fields.unsupported("byteskip", "only binary data can be found from its end"));
             }
+            (Some(Ok(-1)), _) => (Some(0), None),
             (Some(Ok(bytes @ 0..)), Compression::None | Compression::Text | Compression::Hex) => {
-                (Some(bytes as u64), 0)
+                (Some(bytes as u64), Some(0))
             }
             // The skipped bytes are compressed too.
-            (Some(Ok(bytes @ 0..)), _) if bytes as u64 <= MAX_UNPACKED_SKIP => (Some(0), bytes as u64),
+            (Some(Ok(bytes @ 0..)), _) if bytes as u64 <= MAX_UNPACKED_SKIP => (Some(0), Some(bytes as u64)),
             _ => {
                 return Err(self
                     .fields
@@ -244,9 +248,7 @@ impl Header {
                 }
                 DMat3::from_diagonal(spacings)
             }
-            (false, false) if self.fields.get("axismaxs").is_some() => {
-                return Err(self.fields.unsupported("axismaxs", "write `spacings` instead"));
-            }
+            (false, false) if self.fields.get("axismaxs").is_some() => self.between_ends(source)?,
             (false, false) => DMat3::IDENTITY,
         };
         if !placement::are_lengths(super::axes::lengths(&steps)) {
@@ -264,11 +266,39 @@ impl Header {
             return Ok((DVec3::ZERO, steps));
         }
         // `axis mins` is the first sample, or half a step before it for cell-centered samples.
-        let centers = self.of_axes("centers");
-        let cell = |axis: usize| centers.as_ref().is_some_and(|centers| centers[axis] == "cell");
-        let half = DVec3::from([0, 1, 2].map(|axis| if cell(axis) { 0.5 } else { 0.0 }));
+        let half = DVec3::from([0, 1, 2].map(|axis| if self.is_cell(axis) { 0.5 } else { 0.0 }));
         let first = or_usual(source, "axis mins", self.three("axismins")?, f64::NAN, 0.0);
         Ok((first + steps * half, steps))
+    }
+
+    /// Whether samples are the centers of cells, by the axis of the volume. Axes with two ends are so unless they say otherwise, as
+    /// in teem.
+    fn is_cell(&self, axis: usize) -> bool {
+        let center = self.of_axes("centers").or_else(|| self.of_axes("centerings")).map(|centers| centers[axis]);
+        match center {
+            Some("cell") => true,
+            Some("node") => false,
+            _ => self.fields.get("axismaxs").is_some() && self.fields.get("spacings").is_none(),
+        }
+    }
+
+    /// Steps from `axis mins` and `axis maxs`.
+    fn between_ends(&self, source: &Source) -> Result<DMat3, ShapeError> {
+        if self.fields.get("axismins").is_none() {
+            return Err(self.fields.unsupported("axismaxs", "write `axis mins` too, or `spacings`"));
+        }
+        let (first, last) = (self.three("axismins")?, self.three("axismaxs")?);
+        let sizes = self.fields.integers("sizes").unwrap_or_default();
+        let step = |axis: usize| {
+            let count = sizes.get(self.axes[axis]).map_or(1.0, |count| *count as f64);
+            (last[axis] - first[axis]) / if self.is_cell(axis) { count } else { (count - 1.0).max(1.0) }
+        };
+        let steps = [0, 1, 2].map(step);
+        if steps.iter().any(|step| !step.is_finite() || *step == 0.0) {
+            return Err(self.fields.malformed("axismaxs", "3 numbers other than those of `axis mins`"));
+        }
+        source.note(format!("its spacings follow from `axis mins` and `axis maxs`: {}", listed(&steps)));
+        Ok(DMat3::from_diagonal(steps.into()))
     }
 
     /// Steps from `space directions`.

@@ -5,7 +5,7 @@
 //! numbers, splits vertices between objects, refuses comments that are not UTF-8 or follow data, and accepts NaN.
 
 use super::error::{Location, ShapeError, quoted};
-use super::looks::linear;
+use super::looks::{full_scale, linear};
 use super::mtl::{Faces, first_word};
 use super::polygon::{self, triangulate};
 use super::source::{MAX_LINE, Source, check_positions, number, tokens};
@@ -22,6 +22,8 @@ pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     let mut triangles: Vec<[u32; 3]> = Vec::new();
     let mut polygon: Vec<u32> = Vec::new();
     let mut statement = Vec::new();
+    // Four numbers after a position.
+    let mut fours: Vec<[f32; 4]> = Vec::new();
     let mut faces = source.is_painted.then(Faces::default);
     // Number of faces with fewer than 3 corners and the line of the first; first unknown statement and its line.
     let (mut short, mut foreign) = ((0, 0), None);
@@ -31,7 +33,11 @@ pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
             Some(b"v") => {
                 positions.push(position(source, &mut words)?);
                 let rest: Vec<f64> = words.filter_map(number).collect();
-                colors.extend(matches!(rest[..], [_, _, _]).then(|| [rest[0], rest[1], rest[2]].map(linear)));
+                match rest[..] {
+                    [r, g, b] => colors.push([r, g, b].map(|code| code as f32)),
+                    [a, b, c, d] => fours.push([a, b, c, d].map(|code| code as f32)),
+                    _ => {}
+                }
                 // Three vertices for each triangle, and never more than a u32 can count.
                 source.check_triangles((positions.len() as u64).div_ceil(3))?;
             }
@@ -73,13 +79,41 @@ pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     check_positions(&source.file, "vertices", &positions)?;
     let unread =
         foreign.map_or(String::new(), |(word, line)| format!("; {word} in line {line} is not an OBJ statement"));
-    let colors = if colors.len() == positions.len() { colors } else { Vec::new() };
+    if !fours.is_empty() && fours.len() == positions.len() {
+        colors = colors_of_fours(source, &fours);
+    }
+    let colors = if colors.len() == positions.len() { decoded(source, colors) } else { Vec::new() };
     let holds = format!("{} vertices and no face{unread}", positions.len());
     let found = match faces {
-        Some(faces) => faces.finish(source, &colors, triangles)?,
+        Some(faces) => faces.finish(source, &positions, &colors, triangles)?,
         None => Mesh::cleaned_with(&positions, &colors, &[], triangles),
     };
     source.finish(found, holds)
+}
+
+/// Codes of colors from four numbers after each position: a weight of 1 and a color, or a color and an opacity. Where both fit, as
+/// with `1 0 0 1`, nothing is guessed.
+fn colors_of_fours(source: &Source, fours: &[[f32; 4]]) -> Vec<[f32; 3]> {
+    let (is_weighted, last) = (fours.iter().all(|[weight, ..]| *weight == 1.0), fours[0][3]);
+    if is_weighted && last > 0.0 && fours.iter().all(|four| four[3] == last) {
+        source.note(
+            "vertices of 7 numbers are a position with a weight and a color, or with a color and an opacity; both fit, so their \
+             colors are left out: write 6 numbers"
+                .into(),
+        );
+        return Vec::new();
+    }
+    let order = if is_weighted { "a weight, then a color" } else { "a color, then an opacity" };
+    source.note(format!("vertices of 7 numbers are read as a position, {order}"));
+    fours.iter().map(|[a, b, c, d]| if is_weighted { [*b, *c, *d] } else { [*a, *b, *c] }).collect()
+}
+
+/// Linear colors by codes of sRGB of an unknown full scale.
+fn decoded(source: &Source, mut colors: Vec<[f32; 3]>) -> Vec<[f32; 3]> {
+    let (full, note) = full_scale(&colors);
+    note.into_iter().for_each(|note| source.note(note));
+    colors.as_flattened_mut().iter_mut().for_each(|code| *code = linear(f64::from(*code) / full));
+    colors
 }
 
 /// Keywords of skipped statements.

@@ -94,6 +94,14 @@ impl Opened {
         Opened::with(name_or_path, Wanted { grid, is_painted: false })
     }
 
+    /// Opens as [`Opened::with_grid`] does, with the colors and textures of materials.
+    ///
+    /// # Errors
+    /// Those of [`Opened::with_grid`], and those of materials and textures.
+    pub fn with_paint(name_or_path: &str, grid: Option<&str>) -> Result<Opened, ShapeError> {
+        Opened::with(name_or_path, Wanted { grid, is_painted: true })
+    }
+
     fn with(name_or_path: &str, wanted: Wanted) -> Result<Opened, ShapeError> {
         let alone = |shape, notes| match wanted.grid {
             Some(grid) => Err(no_grids(shown(name_or_path), grid)),

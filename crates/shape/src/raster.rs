@@ -58,13 +58,13 @@ pub(super) struct Data {
     pub lines: u64,
     /// Bytes to skip after these lines; `None` if the data is at the end of the file.
     pub before: Option<u64>,
-    /// Decompressed bytes to skip.
-    pub inside: u64,
+    /// Decompressed bytes to skip; `None` if the values are the last ones.
+    pub inside: Option<u64>,
 }
 
 impl Data {
     /// The rest of the current file.
-    pub const HERE: Data = Data { files: None, lines: 0, before: Some(0), inside: 0 };
+    pub const HERE: Data = Data { files: None, lines: 0, before: Some(0), inside: Some(0) };
 }
 
 impl Raster {
@@ -118,7 +118,7 @@ impl Raster {
             Compression::Bzip2 => here.saturating_mul(MAX_BZIP2_RATIO),
             Compression::Hex => here / 2,
         };
-        if self.compression == Compression::None && declared != here {
+        if self.compression == Compression::None && declared > here {
             return Err(size(Found::Bytes(here)));
         }
         if declared > most {
@@ -134,20 +134,36 @@ impl Raster {
             Compression::Hex => Box::new(Hex(reader)),
             _ => Box::new(reader),
         };
-        let inside = skipped(&mut stream, data.inside).map_err(|reason| failed(0, reason))?;
-        let decoded = match inside {
-            all if all == data.inside => self.append_bytes(&mut stream, declared, values, &file, &failed)?,
+        let Some(inside) = data.inside else {
+            let most = declared + MAX_UNPACKED_SKIP;
+            let mut all = Vec::new();
+            stream.take(most + 1).read_to_end(&mut all).map_err(|reason| failed(0, reason))?;
+            source.note_padding(padding.get());
+            return match all.len() as u64 {
+                found if found < declared => Err(source.data_size(declared, what, Found::Bytes(found))),
+                found if found > most => Err(source.data_size(declared, what, Found::More)),
+                found => {
+                    let mut last = &all[(found - declared) as usize..];
+                    self.append_bytes(&mut last, declared, values, &file, &failed).map(drop)
+                }
+            };
+        };
+        let decoded = match skipped(&mut stream, inside).map_err(|reason| failed(0, reason))? {
+            all if all == inside => self.append_bytes(&mut stream, declared, values, &file, &failed)?,
             _ => 0,
         };
         // Reading to the end checks the length and the checksum at the end of the stream.
         let more = read_block(&mut stream, &mut [0]).map_err(|reason| failed(decoded, reason))?;
         drop(stream);
         source.note_padding(padding.get());
-        match (decoded < declared, more > 0) {
-            (true, _) => Err(source.data_size(declared, what, Found::Bytes(decoded))),
-            (false, true) => Err(source.data_size(declared, what, Found::More)),
-            (false, false) => Ok(()),
+        if decoded < declared {
+            return Err(source.data_size(declared, what, Found::Bytes(decoded)));
         }
+        if more > 0 {
+            let count = if compression == Compression::None { (here - declared).to_string() } else { "some".into() };
+            source.note(format!("bytes after the data that the header declares are left out: {count}"));
+        }
+        Ok(())
     }
 
     /// Actual compression: some headers confuse gzip and zlib; the first byte tells.
@@ -204,8 +220,7 @@ impl Raster {
             values.push(number);
         }
         if next_word(source, &mut word)? {
-            let expected = "the end of the file after the last number";
-            return Err(source.malformed_here(expected, quoted(&word)));
+            source.note(format!("numbers after the {count} that the header declares are left out"));
         }
         Ok(())
     }

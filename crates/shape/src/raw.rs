@@ -1,6 +1,6 @@
 //! Raw files: volumes without a header.
 
-use super::error::{Location, ShapeError, quoted};
+use super::error::{Found, Location, ShapeError, quoted};
 use super::placement::{self, Placement};
 use super::raster::{Compression, Data, Raster, sides};
 use super::source::Source;
@@ -46,6 +46,19 @@ fn read(source: &mut Source, layout: &RawLayout) -> Result<Shape, ShapeError> {
     }
     let (steps, content) = (DMat3::from_diagonal(spacing), Content::Scalar);
     let placement = Placement::new(Space::RAS, size, (DVec3::ZERO, steps), content);
+    // No header says what the bytes behind are: the layout is wrong more often than the file is longer.
+    let (declared, left) =
+        (placement.voxels() * layout.kind.bytes(), layout.skip.map(|skip| (skip, source.len.saturating_sub(skip))));
+    if let Some((offset, left)) = left.filter(|(_, left)| *left > declared) {
+        let what = format!("{} voxels of {} bytes", sides(size), layout.kind.bytes());
+        return Err(ShapeError::DataSize {
+            file: source.file.clone(),
+            offset,
+            declared,
+            what,
+            found: Found::Bytes(left),
+        });
+    }
     let (kind, big_endian) = (layout.kind, layout.big_endian);
     let raster = Raster { kind, big_endian, compression: Compression::None, scale: None, placement };
     let data = Data { before: layout.skip, ..Data::HERE };

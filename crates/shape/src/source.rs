@@ -79,6 +79,7 @@ impl<'a> Source<'a> {
     ) -> Result<T, ShapeError> {
         // The system refuses longer names.
         let is_below = name.len() <= MAX_NAME
+            && !is_absolute(name)
             && Path::new(name).components().all(|part| match part {
                 Component::Normal(part) => part.len() <= MAX_PART,
                 part => part == Component::CurDir,
@@ -105,6 +106,30 @@ impl<'a> Source<'a> {
         let found = read(&mut part)?;
         self.adopt(&part);
         Ok(found)
+    }
+
+    /// The name of a data file as [`Source::beside`] takes it: where it leads out of the folder or to no file, the file of its last
+    /// part beside this one, in any case of letters, with a note.
+    pub fn found(&self, name: &str) -> String {
+        let Some(folder) = &self.folder else { return name.into() };
+        let is_elsewhere = is_absolute(name);
+        if name.is_empty() || !is_elsewhere && folder.join(name).is_file() {
+            return name.into();
+        }
+        let last = name.rsplit('/').next().unwrap_or(name);
+        let alike = || {
+            let entries = std::fs::read_dir(if folder.as_os_str().is_empty() { Path::new(".") } else { folder });
+            let names = entries.into_iter().flatten().flatten().map(|entry| entry.file_name());
+            names.filter_map(|own| own.into_string().ok()).filter(|own| own.eq_ignore_ascii_case(last)).min()
+        };
+        let own = if folder.join(last).is_file() { Some(last.to_string()) } else { alike() };
+        match own.filter(|own| !own.is_empty() && folder.join(own).is_file()) {
+            Some(own) => {
+                self.note(format!("{} is read from {} beside it", quoted(name.as_bytes()), quoted(own.as_bytes())));
+                own
+            }
+            None => name.into(),
+        }
     }
 
     /// Takes over the notes and files of a part of this source.
@@ -152,10 +177,14 @@ impl<'a> Source<'a> {
     pub fn next_line(&mut self, line: &mut Vec<u8>) -> Result<bool, ShapeError> {
         line.clear();
         if self.line == 0 {
-            // Two CR before the first LF are line ends; a single one is a typo.
-            let first = self.peek()?.split(|byte| *byte == b'\n').next().unwrap_or_default();
-            let first = first.strip_suffix(b"\r").unwrap_or(first);
-            self.end = if first.iter().filter(|byte| **byte == b'\r').count() > 1 { b'\r' } else { b'\n' };
+            // Two CR before the first LF are line ends, a single one is a typo; without any LF each is one.
+            let left = self.remaining();
+            let start = self.peek()?;
+            let first = start.split(|byte| *byte == b'\n').next().unwrap_or_default();
+            let is_alone = first.len() as u64 == left;
+            let first = if first.len() < start.len() { first.strip_suffix(b"\r").unwrap_or(first) } else { first };
+            let count = first.iter().filter(|byte| **byte == b'\r').count();
+            self.end = if count > usize::from(!is_alone) { b'\r' } else { b'\n' };
         }
         let read = (&mut *self.reader).take(MAX_LINE as u64 + 1).read_until(self.end, line);
         let bytes = read.map_err(|reason| self.unreadable(reason))?;
@@ -318,6 +347,12 @@ pub(super) fn check_positions(
         }
         None => Ok(()),
     }
+}
+
+/// Whether a path with `/` begins at a root, a drive of Windows or an address of files, or leads out of its folder.
+pub(super) fn is_absolute(path: &str) -> bool {
+    let is_drive = |path: &str| matches!(path.as_bytes(), [letter, b':', ..] if letter.is_ascii_alphabetic());
+    path.starts_with('/') || path.starts_with("file:") || is_drive(path) || path.split('/').any(|part| part == "..")
 }
 
 /// Parses a token; NaN and infinities pass and are rejected later.

@@ -4,7 +4,8 @@
 //! header says; other contents are skipped with a note. Source: 3D Systems, "Stereolithography interface specification", 1988.
 //! The crate stl_io loses all but the first solid of a text file.
 
-use super::error::{Found, ShapeError};
+use super::error::{Found, Location, ShapeError};
+use super::polygon::{self, triangulate};
 use super::source::{Source, check_positions, number, tokens};
 use super::{MAX_TRIANGLES, Mesh, Shape};
 use glam::{DVec3, Vec3};
@@ -90,62 +91,137 @@ fn binary(source: &mut Source) -> Result<Vec<Vec3>, ShapeError> {
     Ok(corners)
 }
 
+/// Facets of a text file.
+#[derive(Default)]
+struct Text {
+    /// Corners of the triangles.
+    corners: Vec<DVec3>,
+    /// Corners of the open loop.
+    polygon: Option<Vec<DVec3>>,
+    in_solid: bool,
+    solids: u64,
+    /// Facets of fewer than 3 corners, and of more; solids without an end; lines between solids.
+    short: u64,
+    long: u64,
+    unended: u64,
+    between: u64,
+}
+
 fn text(source: &mut Source) -> Result<Vec<DVec3>, ShapeError> {
-    let mut corners = Vec::new();
-    let mut in_loop = None;
-    let mut in_solid = false;
-    // Facets with fewer than 3 corners, unterminated solids, and lines between solids.
-    let (mut short, mut unended, mut between) = (0, 0, 0);
-    let (mut solids, mut line) = (0, Vec::new());
+    let (mut read, mut line) = (Text::default(), Vec::new());
     while source.next_line(&mut line)? {
-        let mut words = tokens(&line);
-        let Some(keyword) = words.next() else { continue };
-        let keyword = keyword.to_ascii_lowercase();
-        match (keyword.as_slice(), in_loop) {
+        let words: Vec<&[u8]> = tokens(&line).collect();
+        let mut rest = &words[..];
+        while let [_, ..] = rest {
+            rest = read.statement(source, &line, rest)?;
+        }
+    }
+    read.finish(source)
+}
+
+/// Whether a word is this keyword, in any case.
+fn is(word: &[u8], keyword: &str) -> bool {
+    word.eq_ignore_ascii_case(keyword.as_bytes())
+}
+
+impl Text {
+    /// Reads the statement at the start of the words of a line; returns the words after it.
+    fn statement<'a>(
+        &mut self,
+        source: &Source,
+        line: &[u8],
+        words: &'a [&'a [u8]],
+    ) -> Result<&'a [&'a [u8]], ShapeError> {
+        let word = words[0].to_ascii_lowercase();
+        let next = words.get(1).copied().unwrap_or_default();
+        // Some programs write `end loop` and `end facet`.
+        let (keyword, after) = match &word[..] {
+            b"end" if ["loop", "facet", "solid"].iter().any(|own| is(next, own)) => {
+                ([&b"end"[..], &next.to_ascii_lowercase()].concat(), 2)
+            }
+            _ => (word, 1),
+        };
+        let after = &words[after..];
+        // The rest of a statement, up to the next keyword on the same line.
+        let up_to = |keywords: &[&str]| {
+            let end = after.iter().position(|word| keywords.iter().any(|own| is(word, own))).unwrap_or(after.len());
+            &after[end..]
+        };
+        match (&keyword[..], &mut self.polygon) {
             (b"solid", None) => {
-                unended += u64::from(in_solid);
-                (in_solid, solids) = (true, solids + 1);
+                self.unended += u64::from(self.in_solid);
+                (self.in_solid, self.solids) = (true, self.solids + 1);
+                // A name may be any words, and the first facet may follow it.
+                let facet = after.windows(2).position(|pair| is(pair[0], "facet") && is(pair[1], "normal"));
+                Ok(&after[facet.unwrap_or(after.len())..])
             }
-            (b"endsolid", None) if in_solid => in_solid = false,
-            (b"facet" | b"endfacet", None) if in_solid => {}
-            (b"outer", None) if in_solid => in_loop = Some(0),
-            (b"vertex", Some(count @ 0..3)) => {
-                let mut coordinate = || words.next().and_then(number);
-                let (Some(x), Some(y), Some(z)) = (coordinate(), coordinate(), coordinate()) else {
-                    return Err(source.malformed("3 numbers after `vertex`", &line));
+            (b"endsolid", None) if self.in_solid => {
+                self.in_solid = false;
+                Ok(up_to(&["solid"]))
+            }
+            (b"facet", None) if self.in_solid => Ok(up_to(&["outer"])),
+            (b"endfacet", None) if self.in_solid => Ok(up_to(&["facet", "endsolid", "end"])),
+            (b"outer", None) if self.in_solid => {
+                self.polygon = Some(Vec::new());
+                Ok(up_to(&["vertex", "endloop", "end"]))
+            }
+            (b"vertex", Some(polygon)) => {
+                let [x, y, z] = [0, 1, 2].map(|at| after.get(at).and_then(|word| number(word)));
+                let (Some(x), Some(y), Some(z)) = (x, y, z) else {
+                    return Err(source.malformed("3 numbers after `vertex`", line));
                 };
-                corners.push(DVec3::new(x, y, z));
-                in_loop = Some(count + 1);
+                polygon.push(DVec3::new(x, y, z));
+                source.check_triangles((self.corners.len() + polygon.len()) as u64 / 3)?;
+                Ok(up_to(&["vertex", "endloop", "end"]))
             }
-            (b"endloop", Some(3)) => {
-                in_loop = None;
-                source.check_triangles(corners.len() as u64 / 3)?;
+            (b"endloop", Some(_)) => {
+                self.end_loop(source)?;
+                Ok(up_to(&["endfacet", "end", "outer"]))
             }
-            (b"endloop", Some(count)) => {
-                corners.truncate(corners.len() - count);
-                (in_loop, short) = (None, short + 1);
+            (_, Some(polygon)) if polygon.len() >= 3 => Err(source.malformed("`vertex` or `endloop`", line)),
+            (_, Some(_)) => Err(source.malformed("`vertex`, 3 of them in a loop", line)),
+            (_, None) if self.in_solid => Err(source.malformed("`facet`, `outer loop` or `endsolid`", line)),
+            (_, None) if self.solids > 0 => {
+                self.between += 1;
+                Ok(&[])
             }
-            (_, Some(3)) => return Err(source.malformed("`endloop` after 3 vertices", &line)),
-            (_, Some(_)) => return Err(source.malformed("`vertex`, 3 of them in a loop", &line)),
-            (_, None) if in_solid => return Err(source.malformed("`facet`, `outer loop` or `endsolid`", &line)),
-            (_, None) if solids > 0 => between += 1,
-            (_, None) => return Err(source.malformed("`solid`", &line)),
+            (_, None) => Err(source.malformed("`solid`", line)),
         }
     }
-    if in_loop.is_some() {
-        return Err(source.ended("`endloop`"));
-    }
-    unended += u64::from(in_solid);
-    for (count, text) in [
-        (short, "facets of fewer than 3 corners are left out"),
-        (unended, "solids without `endsolid` are read as complete"),
-        (between, "lines after `endsolid` are left out"),
-    ] {
-        if count > 0 {
-            source.note(format!("{text}: {count}"));
+
+    fn end_loop(&mut self, source: &Source) -> Result<(), ShapeError> {
+        let polygon = self.polygon.take().unwrap_or_default();
+        match polygon.len() {
+            3 => self.corners.extend(polygon),
+            0..3 => self.short += 1,
+            count => {
+                self.long += 1;
+                let (all, mut triangles): (Vec<u32>, _) = ((0..count as u32).collect(), Vec::new());
+                if !triangulate(&all, &polygon, &mut triangles) {
+                    return Err(polygon::too_large(source, Location::Line(source.line), count));
+                }
+                self.corners.extend(triangles.as_flattened().iter().map(|corner| polygon[*corner as usize]));
+            }
         }
+        source.check_triangles(self.corners.len() as u64 / 3)
     }
-    Ok(corners)
+
+    fn finish(self, source: &Source) -> Result<Vec<DVec3>, ShapeError> {
+        if self.polygon.is_some() {
+            return Err(source.ended("`endloop`"));
+        }
+        for (count, text) in [
+            (self.short, "facets of fewer than 3 corners are left out"),
+            (self.long, "facets of more than 3 corners are cut into triangles"),
+            (self.unended + u64::from(self.in_solid), "solids without `endsolid` are read as complete"),
+            (self.between, "lines after `endsolid` are left out"),
+        ] {
+            if count > 0 {
+                source.note(format!("{text}: {count}"));
+            }
+        }
+        Ok(self.corners)
+    }
 }
 
 // Every welded index fits a u32.
@@ -235,7 +311,7 @@ mod tests {
     fn text_errors_name_the_line() {
         let good = text_square();
         for (from, to, line) in
-            [("vertex 1e0 0 0", "vertex 1e0 zero 0", 5), ("endloop", "vertex 0 0 0", 7), ("outer", "inner", 3)]
+            [("vertex 1e0 0 0", "vertex 1e0 zero 0", 5), ("endloop", "vertex 0 0 0", 8), ("outer", "inner", 3)]
         {
             let error = error(good.replacen(from, to, 1).as_bytes());
             assert!(matches!(error, ShapeError::Malformed { place: Location::Line(l), .. } if l == line), "{error}");

@@ -42,7 +42,12 @@ impl MeshFormat {
         self.write_with(mesh, None, to)
     }
 
-    /// Writes a mesh with the normals and colors of its vertices; STL has neither. Colors are bytes of sRGB in PLY, sRGB in OBJ,
+    /// Whether the format stores colors of vertices.
+    pub fn has_colors(&self) -> bool {
+        *self != MeshFormat::Stl
+    }
+
+    /// Writes a mesh with the normals, if there are any, and colors of its vertices; STL has neither. Colors are bytes of sRGB in PLY, sRGB in OBJ,
     /// and linear in glTF.
     ///
     /// # Errors
@@ -52,7 +57,9 @@ impl MeshFormat {
         let is_known = |corner: &u32| (*corner as usize) < vertices;
         let is_whole = mesh.triangles.as_flattened().iter().all(is_known) && u32::try_from(vertices).is_ok();
         let is_finite = mesh.positions.iter().all(|place| place.is_finite()) && mesh.offset.is_finite();
-        let is_looked = looks.is_none_or(|looks| [looks.normals.len(), looks.colors.len()] == [vertices; 2]);
+        let is_looked = looks.is_none_or(|looks| {
+            looks.colors.len() == vertices && (looks.normals.is_empty() || looks.normals.len() == vertices)
+        });
         if mesh.triangles.is_empty() || !is_whole || !is_finite || !is_looked {
             let reason = "a mesh is written with triangles between its corners, and with finite coordinates";
             return Err(io::Error::new(io::ErrorKind::InvalidInput, reason));
@@ -96,8 +103,11 @@ fn write_ply(mesh: &Mesh, looks: Option<&Looks>, to: &mut impl Write) -> io::Res
     let kind = if is_far { "double" } else { "float" };
     writeln!(to, "ply\nformat binary_little_endian 1.0\nelement vertex {}", mesh.positions.len())?;
     ["x", "y", "z"].iter().try_for_each(|axis| writeln!(to, "property {kind} {axis}"))?;
-    if looks.is_some() {
+    let normals = looks.map_or(&[][..], |looks| &looks.normals);
+    if !normals.is_empty() {
         ["nx", "ny", "nz"].iter().try_for_each(|axis| writeln!(to, "property float {axis}"))?;
+    }
+    if looks.is_some() {
         ["red", "green", "blue"].iter().try_for_each(|channel| writeln!(to, "property uchar {channel}"))?;
     }
     writeln!(to, "element face {}\nproperty list uchar uint vertex_indices\nend_header", mesh.triangles.len())?;
@@ -106,8 +116,10 @@ fn write_ply(mesh: &Mesh, looks: Option<&Looks>, to: &mut impl Write) -> io::Res
             true => far.to_array().iter().try_for_each(|number| to.write_all(&number.to_le_bytes()))?,
             false => write_floats(&near.to_array(), to)?,
         }
+        if let Some(normal) = normals.get(index) {
+            write_floats(&normal.to_array(), to)?;
+        }
         if let Some(looks) = looks {
-            write_floats(&looks.normals[index].to_array(), to)?;
             to.write_all(&looks.srgb(index).map(|channel| (255.0 * channel).round() as u8))?;
         }
     }
@@ -134,7 +146,7 @@ fn write_obj(mesh: &Mesh, looks: Option<&Looks>, to: &mut impl Write) -> io::Res
     normals.clone().try_for_each(|normal| writeln!(to, "vn {} {} {}", normal.x, normal.y, normal.z))?;
     for triangle in &mesh.triangles {
         let [a, b, c] = triangle.map(|corner| u64::from(corner) + 1);
-        match looks {
+        match looks.filter(|looks| !looks.normals.is_empty()) {
             Some(_) => writeln!(to, "f {a}//{a} {b}//{b} {c}//{c}")?,
             None => writeln!(to, "f {a} {b} {c}")?,
         }
@@ -163,7 +175,9 @@ fn write_glb(mesh: &Mesh, looks: Option<&Looks>, to: &mut impl Write) -> io::Res
         json!({ "buffer": 0, "byteOffset": places, "byteLength": corners, "target": 34963 }),
     ];
     let mut all = places + corners;
-    for name in looks.iter().flat_map(|_| ["NORMAL", "COLOR_0"]) {
+    let has_normals = looks.is_some_and(|looks| !looks.normals.is_empty());
+    let names = [("NORMAL", has_normals), ("COLOR_0", looks.is_some())];
+    for (name, _) in names.into_iter().filter(|(_, is_there)| *is_there) {
         attributes[name] = json!(views.len());
         accessors.push(json!({ "bufferView": views.len(), "componentType": 5126, "count": vertices, "type": "VEC3" }));
         views.push(json!({ "buffer": 0, "byteOffset": all, "byteLength": places, "target": 34962 }));

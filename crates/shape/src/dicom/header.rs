@@ -17,12 +17,16 @@ pub(super) const MARK: &[u8] = b"DICM";
 const EXPLICIT: Syntax = Syntax { is_implicit: false, big_endian: false };
 /// Class of a DICOMDIR.
 const DIRECTORY: &str = "1.2.840.10008.1.3.10";
+/// Transfer syntax of a deflated file.
+const DEFLATED: &str = "1.2.840.10008.1.2.1.99";
 /// Noun for messages.
 const HEADER: &str = "a DICOM header";
 
 pub(super) struct Header {
     pub syntax: Syntax,
     pub encoding: PixelEncoding,
+    /// Whether the rest of the file is deflated.
+    pub is_deflated: bool,
     /// Reason why the pixels are not supported.
     pub refused: Option<Refusal>,
 }
@@ -60,9 +64,10 @@ impl Header {
         };
         let plain = |is_implicit, big_endian| (Syntax { is_implicit, big_endian }, PixelEncoding::Plain, None);
         let packed = |encoding| (EXPLICIT, encoding, None);
+        let is_deflated = syntax == DEFLATED;
         let (syntax, encoding, refused) = match &*syntax {
             "1.2.840.10008.1.2" => plain(true, false),
-            "1.2.840.10008.1.2.1" => plain(false, false),
+            "1.2.840.10008.1.2.1" | DEFLATED => plain(false, false),
             "1.2.840.10008.1.2.2" => plain(false, true),
             "1.2.840.10008.1.2.5" => packed(PixelEncoding::Rle),
             "1.2.840.10008.1.2.4.50" | "1.2.840.10008.1.2.4.51" => packed(PixelEncoding::LossyJpeg),
@@ -71,7 +76,7 @@ impl Header {
         };
         let remedy = "it only names files: open the folder that the slices are in, or one of them";
         let refused = if is_directory { Some(("the", "DICOMDIR".into(), remedy)) } else { refused };
-        Ok(Header { syntax, encoding, refused })
+        Ok(Header { syntax, encoding, is_deflated, refused })
     }
 }
 
@@ -79,7 +84,6 @@ impl Header {
 fn compressed(syntax: &str) -> Refusal {
     let number = syntax.strip_prefix("1.2.840.10008.1.2.").unwrap_or_default();
     let name = match number {
-        "1.99" => "deflate",
         "4.80" | "4.81" => "JPEG-LS",
         "4.90" | "4.91" | "4.92" | "4.93" => "JPEG 2000",
         "4.201" | "4.202" | "4.203" => "HTJ2K",

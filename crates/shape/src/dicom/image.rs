@@ -8,9 +8,13 @@ use super::frames::{Fragments, PixelEncoding};
 use super::header::{Header, Refusal};
 use crate::error::{Found, Location, ShapeError, quoted};
 use crate::source::Source;
+use glam::DVec3;
 
 /// Most frames of a file or folder. A frame in memory is many times as long as its shortest item in a file.
 pub(super) const MAX_FRAMES: usize = 1 << 16;
+
+/// Longest list of numbers: 16 characters for each of the most frames, and a separator.
+const MAX_NUMBERS: u32 = 17 << 16;
 
 /// Attributes of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -44,6 +48,19 @@ pub(super) struct Image {
     /// Unsupported part.
     refused: Option<Refusal>,
     data: Option<Pixels>,
+    spacings: Spacings,
+}
+
+/// Distances of frames without places of their own, in mm.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Spacings {
+    /// SpacingBetweenSlices and SliceThickness.
+    between: Option<f64>,
+    thickness: Option<f64>,
+    /// ImagerPixelSpacing.
+    imager: Option<[f64; 2]>,
+    /// GridFrameOffsetVector.
+    offsets: Vec<f64>,
 }
 
 /// Location of the pixels.
@@ -112,6 +129,21 @@ fn known(elements: &mut Elements, head: &Element, expected: &'static str) -> Res
     }
 }
 
+/// Finite numbers of an element that matter only to frames without places; none if one of them is no number, or if it is long.
+fn numbers_of(elements: &mut Elements, head: &Element) -> Result<Vec<f64>, ShapeError> {
+    if head.length > MAX_NUMBERS {
+        elements.skip(head)?;
+        return Ok(Vec::new());
+    }
+    let bytes = elements.source.block(u64::from(head.length), "numbers of DICOM")?;
+    let text = String::from_utf8_lossy(&bytes);
+    let finite = |part: &str| {
+        let part = part.trim_matches(|c: char| c == '\0' || c.is_whitespace());
+        part.parse().ok().filter(|number: &f64| number.is_finite())
+    };
+    Ok(text.split('\\').map(finite).collect::<Option<_>>().unwrap_or_default())
+}
+
 fn number(elements: &mut Elements, head: &Element, expected: &'static str) -> Result<f64, ShapeError> {
     numbers::<1>(elements, head, expected).map(|[number]| number)
 }
@@ -119,7 +151,7 @@ fn number(elements: &mut Elements, head: &Element, expected: &'static str) -> Re
 impl Image {
     /// Reads up to the pixels, or to the end of the file.
     pub fn read(source: &mut Source) -> Result<Image, ShapeError> {
-        let Header { syntax, encoding, refused } = Header::read(source)?;
+        let Header { syntax, encoding, refused, .. } = Header::read(source)?;
         let mut image = Image { count: 1, samples: 1, encoding, refused, ..Image::default() };
         let (mut common, mut shared) = (Frame::default(), Frame::default());
         let mut elements = Elements::new(source, syntax);
@@ -159,8 +191,43 @@ impl Image {
         if image.frames.is_empty() && image.count == 1 {
             image.frames.push(Frame::default());
         }
+        if image.frames.is_empty() && (2..=MAX_FRAMES as u64).contains(&image.count) {
+            image.stack_frames(source, shared.or(common));
+        }
         image.frames.iter_mut().for_each(|frame| *frame = frame.or(shared).or(common));
         Ok(image)
+    }
+
+    /// Puts frames without places of their own one above the other.
+    fn stack_frames(&mut self, source: &Source, first: Frame) {
+        let Spacings { between, thickness, imager, offsets } = &self.spacings;
+        let orientation = first.orientation.unwrap_or([1.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
+        let spacing = first.spacing.or(*imager).unwrap_or([1.0; 2]);
+        let [a, b, c, d, e, f] = orientation;
+        let normal = DVec3::new(a, b, c).cross(DVec3::new(d, e, f));
+        let position = DVec3::from(first.position.unwrap_or_default());
+        let above = |step: &Option<f64>| step.map(f64::abs).filter(|step| *step > 0.0);
+        let (step, from) = match (above(between), above(thickness)) {
+            (Some(step), _) => (step, "SpacingBetweenSlices"),
+            (None, Some(step)) => (step, "SliceThickness"),
+            (None, None) => (1.0, "nothing"),
+        };
+        let are_offset = offsets.len() as u64 == self.count;
+        let height = |index: u64| match offsets.get(index as usize) {
+            Some(offset) if are_offset => offset - offsets[0],
+            _ => step * index as f64,
+        };
+        let at = |index| Some((position + normal * height(index)).to_array());
+        let frame =
+            |index| Frame { position: at(index), orientation: Some(orientation), spacing: Some(spacing), ..first };
+        self.frames = (0..self.count).map(frame).collect();
+        let how = if are_offset {
+            "they lie as GridFrameOffsetVector says".into()
+        } else {
+            format!("they are put {step} mm apart, as {from} says")
+        };
+        let sides = if first.spacing.or(*imager).is_none() { "; its pixels are taken to be 1 mm wide" } else { "" };
+        source.note(format!("its {} frames have no places of their own: {how}{sides}", self.count));
     }
 
     /// Takes an attribute of the image; returns whether `head` is one.
@@ -176,6 +243,10 @@ impl Image {
             0x0028_0101 => self.bits[1] = elements.short(head)?,
             0x0028_0102 => self.bits[2] = elements.short(head)?,
             0x0028_0103 => self.is_signed = elements.short(head)? != 0,
+            0x0018_0050 => self.spacings.thickness = numbers_of(elements, head)?.first().copied(),
+            0x0018_0088 => self.spacings.between = numbers_of(elements, head)?.first().copied(),
+            0x0018_1164 => self.spacings.imager = numbers_of(elements, head)?.first_chunk().copied(),
+            0x3004_000c => self.spacings.offsets = numbers_of(elements, head)?,
             0x7fe0_0008 | 0x7fe0_0009 => {
                 let remedy = "convert them to integers with RescaleSlope and RescaleIntercept";
                 self.refused = Some(("an image of", "floats".into(), remedy));
@@ -205,7 +276,7 @@ impl Image {
     }
 
     /// Checks that the pixels are supported.
-    pub fn check(&self, file: &str) -> Result<(), ShapeError> {
+    pub fn check(&self, source: &Source, file: &str) -> Result<(), ShapeError> {
         let unsupported =
             |what, found, remedy| Err(ShapeError::unsupported(file, Location::Header, what, found, remedy));
         let wrong = |expected, found| {
@@ -252,12 +323,16 @@ impl Image {
             let most = pixels.left.saturating_mul(self.encoding.max_ratio());
             return if declared > most { short(Found::AtMost(most)) } else { Ok(()) };
         }
-        if u64::from(pixels.bytes) != declared && u64::from(pixels.bytes) != declared + declared % 2 {
+        if u64::from(pixels.bytes) < declared || pixels.bytes == UNDEFINED {
             let found = format!(
                 "{} for {} x {} x {} pixels of {allocated} bits",
                 pixels.bytes, self.columns, self.rows, self.count
             );
             return wrong("as many bytes of pixels as Rows, Columns and BitsAllocated say", found);
+        }
+        let more = u64::from(pixels.bytes).min(pixels.left).saturating_sub(declared + declared % 2);
+        if more > 0 {
+            source.note(format!("bytes after its last pixel are left out: {more}"));
         }
         if declared > pixels.left { short(Found::Bytes(pixels.left)) } else { Ok(()) }
     }

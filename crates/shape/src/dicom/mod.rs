@@ -1,5 +1,6 @@
 //! DICOM: the slices of a scan, one per file or several in one.
 
+mod deflated;
 mod elements;
 mod frames;
 mod header;

@@ -19,6 +19,10 @@ const OFF: f64 = 0.02;
 const TURN: f64 = 1e-3;
 /// Tolerance where positions are rounded to a tenth of a millimeter, in mm: half of a tenth for each of two slices.
 const ROUNDED: f64 = 0.101;
+/// Least number of distances for each that a missing slice explains.
+const MISSING: usize = 4;
+/// Largest distance of slices by the smallest one; beyond it a position is wrong.
+const MOST_UNLIKE: f64 = 5.0;
 /// Most kinds of images in a series; with more, none is left out.
 const MOST_GROUPS: usize = 16;
 
@@ -34,6 +38,15 @@ pub(super) struct Layout {
     pub placement: Placement,
     /// Slice index by file and frame.
     pub slices: Vec<Vec<usize>>,
+    /// The grid between the slices, if their distances differ.
+    pub even: Option<Even>,
+}
+
+/// Grid of even distances between slices of uneven ones.
+pub(super) struct Even {
+    pub placement: Placement,
+    /// Place of each of its slices among those of the series, from 0.
+    pub places: Vec<f64>,
 }
 
 /// Frame with its position.
@@ -112,7 +125,7 @@ pub(super) fn layout(source: &Source, members: &[Member]) -> Result<Layout, Shap
     };
     slices.sort_by(|a, b| a.height.total_cmp(&b.height));
     let name = |slice: &Slice| members[slice.file].shown(slice.frame);
-    let (first, step) = line(source, &slices, &name).map_err(|(expected, found)| wrong(expected, found))?;
+    let (first, step, places) = line(source, &slices, &name).map_err(|(expected, found)| wrong(expected, found))?;
     let size = [columns.into(), rows.into(), slices.len() as u64];
     let size = placement::checked(file, size)?;
     let mut order: Vec<Vec<usize>> = members.iter().map(|member| vec![0; member.image.frames.len()]).collect();
@@ -124,9 +137,15 @@ pub(super) fn layout(source: &Source, members: &[Member]) -> Result<Layout, Shap
     if !placement::are_lengths(lengths(&steps)) {
         return Err(wrong(placement::STEPS, vector(lengths(&steps))));
     }
-    let placement = Placement::new(Space::LPS, size, (first, steps), Content::Scalar);
-    placement.check(file)?;
-    Ok(Layout { placement, slices: order })
+    let placement = |size| {
+        let placement = Placement::new(Space::LPS, size, (first, steps), Content::Scalar);
+        placement.check(file).map(|()| placement)
+    };
+    let even = places.map(|places| {
+        let size = placement::checked(file, [columns.into(), rows.into(), places.len() as u64])?;
+        Ok::<_, ShapeError>(Even { placement: placement(size)?, places })
+    });
+    Ok(Layout { placement: placement(size)?, slices: order, even: even.transpose()? })
 }
 
 /// Expected and found.
@@ -165,8 +184,10 @@ impl Plane {
     }
 }
 
-/// Position of the first slice, and the step to the next.
-fn line(source: &Source, slices: &[Slice], name: &dyn Fn(&Slice) -> String) -> Result<(DVec3, DVec3), Wrong> {
+/// Position of the first slice and the step to the next; with different distances, the places of evenly spaced slices too.
+type Line = (DVec3, DVec3, Option<Vec<f64>>);
+
+fn line(source: &Source, slices: &[Slice], name: &dyn Fn(&Slice) -> String) -> Result<Line, Wrong> {
     let (Some(first), Some(last), true) = (slices.first(), slices.last(), slices.len() > 1) else {
         return Err(("at least 2 slices of a series in a folder", slices.len().to_string()));
     };
@@ -174,6 +195,7 @@ fn line(source: &Source, slices: &[Slice], name: &dyn Fn(&Slice) -> String) -> R
     let mut gaps: Vec<f64> = gaps.filter(|gap| *gap > 0.0).collect();
     gaps.sort_by(f64::total_cmp);
     let usual = gaps.get(gaps.len().saturating_sub(1) / 2).copied().unwrap_or_default();
+    let is_uneven = is_variable(&gaps, usual) && gaps[gaps.len() - 1] <= MOST_UNLIKE * gaps[0];
     for pair in slices.windows(2) {
         let gap = pair[1].height - pair[0].height;
         let between = || format!("{} and {}", name(&pair[0]), name(&pair[1]));
@@ -181,10 +203,13 @@ fn line(source: &Source, slices: &[Slice], name: &dyn Fn(&Slice) -> String) -> R
             let found = format!("{} both at {} mm", between(), shown_mm(pair[0].height));
             return Err(("one slice at each place", found));
         }
-        if (gap - usual).abs() > slack(usual) {
+        if !is_uneven && (gap - usual).abs() > slack(usual) {
             let found = format!("{} mm between {}, others are {} mm apart", shown_mm(gap), between(), shown_mm(usual));
             return Err(("slices at even distances, none missing", found));
         }
+    }
+    if is_uneven {
+        return interpolated(source, slices, [gaps[0], gaps[gaps.len() - 1]], name);
     }
     // Largest distance of a slice from a line, and its index.
     let farthest = |(start, step): (DVec3, DVec3)| {
@@ -195,7 +220,7 @@ fn line(source: &Source, slices: &[Slice], name: &dyn Fn(&Slice) -> String) -> R
     let straight = (first.position, (last.position - first.position) / (slices.len() - 1) as f64);
     let (off, index) = farthest(straight);
     if off <= OFF * usual {
-        return Ok(straight);
+        return Ok((straight.0, straight.1, None));
     }
     let fitted = fitted(slices);
     if farthest(fitted).0 > slack(usual) {
@@ -208,7 +233,54 @@ fn line(source: &Source, slices: &[Slice], name: &dyn Fn(&Slice) -> String) -> R
         shown_mm(farthest(fitted).0),
         shown_mm(fitted.1.length())
     ));
-    Ok(fitted)
+    Ok((fitted.0, fitted.1, None))
+}
+
+/// Whether rising distances differ by more than a few missing slices explain, which leave gaps of whole multiples.
+fn is_variable(gaps: &[f64], usual: f64) -> bool {
+    let odd: Vec<f64> = gaps.iter().copied().filter(|gap| (gap - usual).abs() > slack(usual)).collect();
+    let is_multiple = |gap: &f64| {
+        let times = (gap / usual).round();
+        times >= 2.0 && (gap - times * usual).abs() <= times * slack(usual)
+    };
+    let are_few = odd.len() == 1 || odd.len() * MISSING <= gaps.len();
+    !(odd.is_empty() || odd.iter().all(is_multiple) && are_few)
+}
+
+/// Places of evenly spaced slices, as far apart as the nearest ones, on the straight line of `slices`.
+fn interpolated(
+    source: &Source,
+    slices: &[Slice],
+    [nearest, farthest]: [f64; 2],
+    name: &dyn Fn(&Slice) -> String,
+) -> Result<Line, Wrong> {
+    let (first, last) = (&slices[0], &slices[slices.len() - 1]);
+    let height = last.height - first.height;
+    let count = (height / nearest).round().max(1.0);
+    let along = (last.position - first.position) / height;
+    let off = |slice: &Slice| slice.position.distance(first.position + along * (slice.height - first.height));
+    if let Some(slice) = slices.iter().find(|slice| off(slice) > slack(nearest)) {
+        let found = format!("{} {} mm off it", name(slice), shown_mm(off(slice)));
+        return Err(("slices on a straight line", found));
+    }
+    let step = height / count;
+    let mut below = 0;
+    let places = (0..=count as usize).map(|index| {
+        let at = first.height + index as f64 * step;
+        while below + 2 < slices.len() && slices[below + 1].height <= at {
+            below += 1;
+        }
+        let [low, high] = [&slices[below], &slices[below + 1]].map(|slice| slice.height);
+        (below as f64 + (at - low) / (high - low)).clamp(0.0, (slices.len() - 1) as f64)
+    });
+    let places = places.collect();
+    source.note(format!(
+        "its slices are {} to {} mm apart: it is interpolated at even distances of {} mm",
+        shown_mm(nearest),
+        shown_mm(farthest),
+        shown_mm(step)
+    ));
+    Ok((first.position, along * step, Some(places)))
 }
 
 /// Tolerance of a gap, by the usual gap.

@@ -41,6 +41,8 @@ pub struct Elements<'a, const N: usize> {
     pub count: u64,
     pub component: SampleType,
     normalized: bool,
+    /// Divisor of the values.
+    pub full: f64,
     /// Bytes from the first element on; empty for zeros.
     bytes: &'a [u8],
     /// Distance between elements in bytes.
@@ -110,6 +112,7 @@ impl<'a, const N: usize> Elements<'a, N> {
             count: accessor.count,
             component,
             normalized: accessor.normalized,
+            full: 1.0,
             bytes,
             stride,
             sparse: Vec::new(),
@@ -125,13 +128,26 @@ impl<'a, const N: usize> Elements<'a, N> {
 
     /// Element `index`, which is below `count`.
     pub fn get(&self, index: u64) -> [f64; N] {
-        if let Ok(at) = self.sparse.binary_search_by_key(&index, |(index, _)| *index) {
-            return self.sparse[at].1;
+        let element = match (self.sparse.binary_search_by_key(&index, |(index, _)| *index), self.bytes) {
+            (Ok(at), _) => self.sparse[at].1,
+            (_, []) => [0.0; N],
+            (_, bytes) => self.element(&bytes[index as usize * self.stride..]),
+        };
+        element.map(|value| value / self.full)
+    }
+
+    /// Declares whole numbers as normalized; returns their full scale if they were not.
+    pub fn normalize(&mut self) -> Option<f64> {
+        let full = match self.component {
+            SampleType::U8 => f64::from(u8::MAX),
+            SampleType::U16 => f64::from(u16::MAX),
+            _ => return None,
+        };
+        if self.normalized {
+            return None;
         }
-        match self.bytes {
-            [] => [0.0; N],
-            bytes => self.element(&bytes[index as usize * self.stride..]),
-        }
+        self.full = full;
+        Some(full)
     }
 
     fn element(&self, bytes: &[u8]) -> [f64; N] {

@@ -40,7 +40,11 @@ impl<'a, 's> Data<'a, 's> {
     /// View `index` and its bytes; `place` names the reference to it.
     pub fn view(&self, index: u32, place: impl FnOnce() -> String) -> Result<(&View, &[u8]), ShapeError> {
         let view = entry(self.source, &self.document.buffer_views, index, place)?;
-        view.extensions.check(self.source, || format!("bufferViews[{index}]"))?;
+        let is_plain = match self.document.buffers.get(view.buffer as usize) {
+            Some(buffer) => buffer.uri.is_some() || view.buffer == 0 && self.binary.is_some(),
+            None => false,
+        };
+        view.extensions.check((self.source, self.document), is_plain, || format!("bufferViews[{index}]"))?;
         let bytes = self.buffer(view.buffer, || format!("bufferViews[{index}].buffer"))?;
         let own = usize::try_from(view.byte_offset).ok().and_then(|start| bytes.get(start..));
         let own = own.and_then(|bytes| bytes.get(..usize::try_from(view.byte_length).ok()?));
@@ -86,14 +90,15 @@ impl<'a, 's> Data<'a, 's> {
                 let remedy = "write the data in base64";
                 return Err(unsupported(self.source, place(), "the data address", found(), remedy));
             };
+            let text: String = text.split_ascii_whitespace().collect();
             return BASE64.decode(text).map_err(|_| malformed(self.source, place(), "data in base64", found()));
         }
-        if uri.contains("://") {
+        if uri.contains("://") && !uri.starts_with("file:") {
             let remedy = "put the file of the data beside this one";
             return Err(unsupported(self.source, place(), "the address", found(), remedy));
         }
         let name = decoded(uri).ok_or_else(|| malformed(self.source, place(), "the name of a file", found()))?;
-        let read = self.source.beside(&name, |side| {
+        let read = self.source.beside(&self.source.found(&name.replace('\\', "/")), |side| {
             let bytes = declared.unwrap_or(side.len);
             let all = self.side_bytes.get().saturating_add(bytes);
             if all > MAX_SIDE_BYTES {

@@ -73,7 +73,8 @@ pub struct Node {
 
 #[derive(Deserialize)]
 pub struct Mesh {
-    #[serde(deserialize_with = "list")]
+    /// Empty if the file has none, which counts only for a mesh that is used.
+    #[serde(default, deserialize_with = "list")]
     pub primitives: Vec<Primitive>,
 }
 
@@ -172,8 +173,11 @@ struct Visibility {
 }
 
 impl Extensions {
-    /// Prefixes of harmless required extensions: supported ones, and those that change only the appearance.
-    const HARMLESS: [&str; 7] = [
+    /// Known extensions with geometry that are not supported.
+    const GEOMETRY: [&str; 4] =
+        ["KHR_draco_mesh_compression", "KHR_meshopt_compression", "EXT_meshopt_compression", "EXT_mesh_gpu_instancing"];
+    /// Prefixes of harmless required extensions: supported ones, and those that change only the appearance or describe things.
+    const HARMLESS: [&str; 19] = [
         "KHR_mesh_quantization",
         "KHR_node_visibility",
         "KHR_materials_",
@@ -181,6 +185,18 @@ impl Extensions {
         "KHR_lights_",
         "EXT_texture_",
         "MSFT_texture_",
+        "EXT_lights_",
+        "EXT_mesh_features",
+        "EXT_instance_features",
+        "EXT_structural_metadata",
+        "EXT_mesh_primitive_edge_visibility",
+        "CESIUM_primitive_outline",
+        "KHR_xmp",
+        "KHR_animation_pointer",
+        "KHR_audio",
+        "KHR_interactivity",
+        "KHR_physics_",
+        "KHR_node_selectability",
     ];
 
     /// Whether the node and its descendants are hidden.
@@ -188,8 +204,14 @@ impl Extensions {
         self.visibility.as_ref().is_some_and(|visibility| visibility.visible == Some(false))
     }
 
-    /// Checks that no unsupported extension defines the geometry at `place`.
-    pub fn check(&self, source: &Source, place: impl FnOnce() -> String) -> Result<(), ShapeError> {
+    /// Checks that no unsupported extension defines the geometry at `place`. One that is not required is passed over where the file
+    /// `has_plain` data too.
+    pub fn check(
+        &self,
+        (source, document): (&Source, &Document),
+        has_plain: bool,
+        place: impl FnOnce() -> String,
+    ) -> Result<(), ShapeError> {
         let names = [
             (self.draco, "KHR_draco_mesh_compression"),
             (self.meshopt, "KHR_meshopt_compression"),
@@ -197,19 +219,37 @@ impl Extensions {
             (self.instancing, "EXT_mesh_gpu_instancing"),
         ];
         match names.into_iter().find(|(used, _)| used.is_some()) {
+            Some((_, name)) if has_plain && !document.extensions_required.iter().any(|own| own == name) => {
+                source.note(format!("{} is optional: the plain data beside it is read", quoted(name.as_bytes())));
+                Ok(())
+            }
             Some((_, name)) => Err(unread(source, place() + ".extensions", name)),
             None => Ok(()),
         }
     }
 
-    /// Checks that no required extension may change the geometry.
-    pub fn check_required(source: &Source, required: &[String]) -> Result<(), ShapeError> {
-        let is_harmless = |name: &String| Extensions::HARMLESS.iter().any(|start| name.starts_with(start));
-        match required.iter().position(|name| !is_harmless(name)) {
-            Some(index) => Err(unread(source, format!("extensionsRequired[{index}]"), &required[index])),
-            None => Ok(()),
+    /// Checks that no required extension may change the geometry: an unknown one may not occur in the file beyond its list.
+    pub fn check_required(source: &Source, json: &[u8], required: &[String]) -> Result<(), ShapeError> {
+        let is_harmless = |name: &str| Extensions::HARMLESS.iter().any(|start| name.starts_with(start));
+        for (index, name) in required.iter().enumerate().filter(|(_, name)| !is_harmless(name)) {
+            if Extensions::GEOMETRY.contains(&name.as_str()) || is_key(json, name) {
+                return Err(unread(source, format!("extensionsRequired[{index}]"), name));
+            }
+            source.note(format!(
+                "the required extension {} is unknown, and nothing in the file uses it",
+                quoted(name.as_bytes())
+            ));
         }
+        Ok(())
     }
+}
+
+/// Whether a text is a key of an object in JSON, or may be one: with escapes it is not looked for.
+fn is_key(json: &[u8], name: &str) -> bool {
+    let quoted = format!("\"{name}\"");
+    let is_followed = |at: usize| json[at + quoted.len()..].trim_ascii_start().starts_with(b":");
+    let mut places = json.windows(quoted.len()).enumerate().filter(|(_, window)| *window == quoted.as_bytes());
+    json.contains(&b'\\') || places.any(|(at, _)| is_followed(at))
 }
 
 fn unread(source: &Source, place: String, name: &str) -> ShapeError {
@@ -253,6 +293,8 @@ pub fn entry<'b, T>(
 /// The part of the JSON that `T` describes.
 pub fn json_as<'a, T: Deserialize<'a>>(source: &Source, json: &'a [u8]) -> Result<T, ShapeError> {
     let json = json.strip_prefix(MARK).unwrap_or(json); // some GLB files have a mark
+    let end = json.iter().rposition(|byte| *byte != 0).map_or(0, |last| last + 1);
+    let json = &json[..end]; // and some are padded with zeros
     serde_json::from_slice(json).map_err(|error| refusal::<T>(source, json, &error))
 }
 
@@ -269,7 +311,7 @@ pub fn parse<'a>(source: &Source, json: &'a [u8]) -> Result<Document<'a>, ShapeE
             return Err(unsupported(source, format!("asset.{name}"), "version", found, remedy));
         }
     }
-    Extensions::check_required(source, &document.extensions_required)?;
+    Extensions::check_required(source, json, &document.extensions_required)?;
     Ok(document)
 }
 

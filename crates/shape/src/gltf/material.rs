@@ -33,7 +33,7 @@ pub struct Materials<'a> {
 
 #[derive(Deserialize)]
 struct Mesh {
-    #[serde(deserialize_with = "list")]
+    #[serde(default, deserialize_with = "list")]
     primitives: Vec<Primitive>,
 }
 
@@ -47,6 +47,36 @@ struct Primitive {
 struct Material {
     #[serde(default, rename = "pbrMetallicRoughness")]
     base: Base,
+    #[serde(default)]
+    extensions: Shading,
+}
+
+/// Older and other descriptions of a color.
+#[derive(Default, Deserialize)]
+struct Shading {
+    #[serde(rename = "KHR_materials_pbrSpecularGlossiness")]
+    diffuse: Option<Diffuse>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Diffuse {
+    diffuse_factor: Option<[f64; 4]>,
+    diffuse_texture: Option<TextureInfo>,
+}
+
+impl Material {
+    /// Color and texture, with the place of the latter in a material: those of the core, else the diffuse ones of specular-glossiness.
+    fn color(&self) -> (Option<[f64; 4]>, Option<(&TextureInfo, &'static str)>) {
+        let core = self.base.base_color_texture.as_ref().map(|info| (info, "pbrMetallicRoughness.baseColorTexture"));
+        let diffuse =
+            self.extensions.diffuse.as_ref().filter(|_| core.is_none() && self.base.base_color_factor.is_none());
+        let Some(diffuse) = diffuse else { return (self.base.base_color_factor, core) };
+        let place = "extensions.KHR_materials_pbrSpecularGlossiness.diffuseTexture";
+        // Without a factor it is white.
+        let factor = diffuse.diffuse_factor.or(Some([1.0; 4]));
+        (factor, diffuse.diffuse_texture.as_ref().map(|info| (info, place)))
+    }
 }
 
 #[derive(Default, Deserialize)]
@@ -140,7 +170,7 @@ impl<'a> Materials<'a> {
         };
         let at = |field: &str| format!("meshes[{mesh}].primitives[{index}]{field}");
         let own = entry(data.source, &self.materials, material, || at(".material"))?;
-        let Some(texture) = &own.base.base_color_texture else { return Ok(Spots { material, coordinates: None }) };
+        let Some((texture, _)) = own.color().1 else { return Ok(Spots { material, coordinates: None }) };
         let transform = texture.extensions.transform.clone().unwrap_or_default();
         let name = format!("TEXCOORD_{}", transform.tex_coord.unwrap_or(texture.tex_coord));
         let Some(accessor) = primitive.attributes.get(&name) else {
@@ -165,19 +195,21 @@ impl<'a> Materials<'a> {
         let default = Material::default();
         let each = self.materials.iter().chain([&default]).zip(&is_used).enumerate();
         let all = each.map(|(index, (material, is_used))| {
-            let base = &material.base;
-            let color = base.base_color_factor.map_or([1.0; 3], |[r, g, b, _]| [r, g, b].map(channel));
+            let (factor, own_texture) = material.color();
+            let color = factor.map_or([1.0; 3], |[r, g, b, _]| [r, g, b].map(channel));
             let (mut texture, mut wraps) = (None, [Wrap::Repeat; 2]);
-            if let Some(info) = base.base_color_texture.as_ref().filter(|_| *is_used) {
-                let place = format!("materials[{index}].pbrMetallicRoughness.baseColorTexture.index");
+            if let Some((info, at)) = own_texture.filter(|_| *is_used) {
+                let place = format!("materials[{index}].{at}.index");
                 let (decoded, own) = self.texture(data, info.index, &place, &mut textures)?;
                 (texture, wraps) = (Some(decoded), own);
             }
             Ok(paint::Material { color: Some(color), texture, wraps })
         });
         let all = all.collect::<Result<Vec<_>, ShapeError>>()?;
-        let has_color =
-            |Material { base }: &Material| base.base_color_factor.is_some() || base.base_color_texture.is_some();
+        let has_color = |material: &Material| {
+            let (factor, texture) = material.color();
+            factor.is_some() || texture.is_some()
+        };
         if !self.materials.iter().zip(&is_used).any(|(material, is_used)| *is_used && has_color(material)) {
             spots.clear();
         }

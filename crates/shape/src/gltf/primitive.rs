@@ -9,7 +9,9 @@ use super::document::{Primitive, malformed};
 use super::material::Materials;
 use crate::SampleType::{F32, I8, I16, U8, U16, U32};
 use crate::error::ShapeError;
+use crate::looks::full_scale;
 use crate::paint::Spot;
+use crate::source::Source;
 use glam::{DAffine3, DVec3};
 use std::collections::HashMap;
 
@@ -32,6 +34,8 @@ pub struct MeshPart {
     pub without_positions: usize,
     /// Number of corners after the last whole triangle.
     pub leftover_corners: usize,
+    /// Number of primitives without vertices or indices.
+    pub empty: usize,
     /// Whether there are morph targets.
     pub morphs: bool,
 }
@@ -58,13 +62,39 @@ impl<'a> Colors<'a> {
         }
     }
 
+    /// Scales colors that are not in \[0, 1\]: whole numbers that are not declared as normalized, and floats of 0 to 255.
+    fn scaled(mut self, source: &Source) -> Colors<'a> {
+        let (count, full) = (
+            self.count(),
+            match &mut self {
+                Colors::Rgb(elements) => elements.normalize(),
+                Colors::Rgba(elements) => elements.normalize(),
+            },
+        );
+        if let Some(full) = full {
+            source.note(format!("COLOR_0 of whole numbers without `normalized` is read as 0 to {full}"));
+            return self;
+        }
+        let all: Vec<[f32; 3]> = (0..count).map(|index| self.raw(index).map(|value| value as f32)).collect();
+        let (full, note) = full_scale(&all);
+        note.into_iter().for_each(|note| source.note(note));
+        match &mut self {
+            Colors::Rgb(elements) => elements.full = full,
+            Colors::Rgba(elements) => elements.full = full,
+        }
+        self
+    }
+
     /// Linear RGB.
     fn get(&self, index: u64) -> [f32; 3] {
-        let [r, g, b] = match self {
+        self.raw(index).map(crate::looks::channel)
+    }
+
+    fn raw(&self, index: u64) -> [f64; 3] {
+        match self {
             Colors::Rgb(elements) => elements.get(index),
             Colors::Rgba(elements) => elements.get(index).first_chunk().copied().unwrap_or_default(),
-        };
-        [r, g, b].map(crate::looks::channel)
+        }
     }
 }
 
@@ -76,9 +106,26 @@ impl MeshPart {
         declared: &mut u64,
     ) -> Result<MeshPart, ShapeError> {
         let mut part = MeshPart::default();
+        if data.document.meshes[mesh as usize].primitives.is_empty() {
+            let found = "no `primitives`, or an empty list";
+            return Err(malformed(data.source, format!("meshes[{mesh}]"), "1 primitive or more", found));
+        }
         for (index, primitive) in data.document.meshes[mesh as usize].primitives.iter().enumerate() {
             let at = |field: &str| format!("meshes[{mesh}].primitives[{index}]{field}");
-            primitive.extensions.check(data.source, || at(""))?;
+            let accessors = &data.document.accessors;
+            let is_empty = |index: Option<u32>| {
+                index.and_then(|index| accessors.get(index as usize)).is_some_and(|accessor| accessor.count == 0)
+            };
+            if is_empty(primitive.attributes.position) || is_empty(primitive.indices) {
+                part.empty += 1;
+                continue;
+            }
+            let is_plain = |index: u32| {
+                accessors.get(index as usize).is_some_and(|own| own.buffer_view.is_some() || own.sparse.is_some())
+            };
+            let has_plain =
+                primitive.attributes.position.is_some_and(is_plain) && primitive.indices.is_none_or(is_plain);
+            primitive.extensions.check((data.source, data.document), has_plain, || at(""))?;
             part.morphs |= primitive.targets.as_ref().is_some_and(|targets| !targets.is_empty());
             match primitive.mode.unwrap_or(4) {
                 0..=3 => part.points_and_lines += 1,
@@ -110,6 +157,7 @@ impl MeshPart {
         let positions = Elements::<3>::read(data, position, &[F32, I8, U8, I16, U16], place)?;
         let colors = primitive.attributes.color.map(|index| Colors::read(data, index, || at(".attributes.COLOR_0")));
         let colors = colors.transpose()?.filter(|colors| colors.count() >= positions.count);
+        let colors = colors.map(|colors| colors.scaled(data.source));
         self.is_colored |= colors.is_some();
         let spots = materials.map(|all| all.spots(data, [mesh, index], positions.count)).transpose()?;
         let indices =

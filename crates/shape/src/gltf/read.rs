@@ -65,7 +65,9 @@ fn chunks(source: &mut Source) -> Result<(Vec<u8>, Option<Vec<u8>>), ShapeError>
         let (file, found) = (source.file.clone(), Found::Bytes(held));
         return Err(ShapeError::DataSize { file, offset: 0, declared, what: "the whole file".into(), found });
     }
-    if declared < held {
+    if declared == 0 {
+        source.note("its length is declared as 0: the whole file is read".into());
+    } else if declared < held {
         source.note(format!("bytes after the declared end of the file are left out: {}", held - declared));
         source.len = declared;
     }

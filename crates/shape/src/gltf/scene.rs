@@ -9,10 +9,13 @@ use super::primitive::MeshPart;
 use crate::error::ShapeError;
 use crate::paint::Spot;
 use crate::source::{Source, check_positions};
-use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
+use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, DVec4};
 
 /// Tolerance of the length of a rotation: numbers of three digits.
 const MAX_LENGTH_ERROR: f64 = 0.01;
+
+/// Tolerance of the last row of a matrix.
+const MAX_ROW_ERROR: f64 = 1e-3;
 
 /// All triangles of a scene.
 pub struct SceneMesh {
@@ -80,20 +83,20 @@ pub fn read(data: &Data, materials: Option<&Materials>) -> Result<SceneMesh, Sha
     let mut visits = Visits { source, document, nodes: Vec::new(), named: vec![false; document.nodes.len()] };
     visits.begin()?;
     let mut parts: Vec<Option<MeshPart>> = document.meshes.iter().map(|_| None).collect();
-    let (mut shown, mut declared, mut counts) = (Vec::new(), 0, [0; 7]);
+    let (mut shown, mut declared, mut counts) = (Vec::new(), 0, [0; 8]);
     let (mut triangles, mut positions) = (0, 0);
-    counts[6] = document.animations.len();
+    counts[7] = document.animations.len();
     while let Some((index, parent)) = visits.nodes.pop() {
         let node = &document.nodes[index as usize];
         if node.extensions.hides() {
-            counts[5] += 1;
+            counts[6] += 1;
             continue;
         }
         let world = parent * local(data, index, node)?;
         visits.add(&node.children, world, |at| format!("nodes[{index}].children[{at}]"))?;
         let Some(mesh) = node.mesh else { continue };
         entry(source, &document.meshes, mesh, || format!("nodes[{index}].mesh"))?;
-        node.extensions.check(source, || format!("nodes[{index}]"))?;
+        node.extensions.check((data.source, data.document), false, || format!("nodes[{index}]"))?;
         let slot = &mut parts[mesh as usize];
         let part = match slot {
             Some(part) => part,
@@ -101,6 +104,8 @@ pub fn read(data: &Data, materials: Option<&Materials>) -> Result<SceneMesh, Sha
         };
         (triangles, positions) = (triangles + part.triangles.len(), positions + part.positions.len());
         source.check_triangles(triangles as u64)?;
+        // glTF 3.7.3.2: joints place a skinned mesh, its node does not.
+        let world = if node.skin.is_some() { DAffine3::IDENTITY } else { world };
         check_positions(&source.file, "vertices", &part.at(world).collect::<Vec<_>>())?;
         shown.push((mesh, world));
         let left_out = [
@@ -109,6 +114,7 @@ pub fn read(data: &Data, materials: Option<&Materials>) -> Result<SceneMesh, Sha
             part.leftover_corners,
             usize::from(node.skin.is_some()),
             usize::from(part.morphs),
+            part.empty,
         ];
         counts.iter_mut().zip(left_out).for_each(|(count, more)| *count += more);
     }
@@ -116,8 +122,9 @@ pub fn read(data: &Data, materials: Option<&Materials>) -> Result<SceneMesh, Sha
         "primitives of points or lines are left out",
         "primitives without positions are left out",
         "corners of incomplete triangles are left out",
-        "skins are not applied, their meshes stand where their nodes put them",
+        "skins are not applied, their meshes keep the pose in which they were bound",
         "morph targets are not applied, their meshes keep their base shape",
+        "primitives without vertices or indices are left out",
         "hidden nodes are left out, with all below them",
         "animations are not played, nodes stand where they are at rest",
     ];
@@ -166,7 +173,9 @@ fn local(data: &Data, index: u32, node: &Node) -> Result<DAffine3, ShapeError> {
             return refuse("matrix", "either a matrix or its parts", "both".into());
         }
         let matrix = DMat4::from_cols_array(matrix);
-        if matrix.row(3).to_array() != [0.0, 0.0, 0.0, 1.0] {
+        // Rounding of products of matrices in f32.
+        let off = (matrix.row(3) - DVec4::W).abs().max_element();
+        if off.is_nan() || off > MAX_ROW_ERROR {
             return refuse("matrix", "0, 0, 0, 1 as its last row", format!("{:?}", matrix.row(3).to_array()));
         }
         return Ok(DAffine3::from_mat4(matrix));
@@ -175,10 +184,14 @@ fn local(data: &Data, index: u32, node: &Node) -> Result<DAffine3, ShapeError> {
         None => DQuat::IDENTITY,
         Some(&xyzw) => {
             let rotation = DQuat::from_array(xyzw);
-            if (rotation.length() - 1.0).abs() > MAX_LENGTH_ERROR {
+            if xyzw == [0.0; 4] {
+                data.source.note("rotations of 0, 0, 0, 0 are read as none".into());
+                DQuat::IDENTITY
+            } else if (rotation.length() - 1.0).abs() > MAX_LENGTH_ERROR {
                 return refuse("rotation", "a rotation of length 1", format!("{xyzw:?}"));
+            } else {
+                rotation.normalize()
             }
-            rotation.normalize()
         }
     };
     let scale = DVec3::from(node.scale.as_deref().copied().unwrap_or([1.0; 3]));

@@ -11,13 +11,18 @@ use crate::placement::{self, Placement};
 use crate::source::Source;
 use crate::space::Space;
 use crate::{Content, SampleType, Shape, axes};
+use glam::{DMat3, DVec3};
 
 /// Most voxels of a box: this many per byte of the file, or `SMALL` (256 MiB). Real level sets have less than a tenth; two
 /// distant voxels would take all memory.
 const MAX_VOXELS_PER_BYTE: u64 = 1024;
 const SMALL: u64 = 1 << 26;
 
+/// Type of a tree whose values have 16 bits.
+const HALF: &str = "Tree_half_5_4_3";
+
 /// A supported grid.
+#[derive(Clone)]
 pub(super) struct Grid {
     pub about: Descriptor,
     pub encoding: ValueEncoding,
@@ -34,9 +39,9 @@ impl Grid {
         about: Descriptor,
     ) -> Result<(Option<Grid>, String), ShapeError> {
         let (kind, words) = match &*about.kind {
-            _ if about.is_instance => return Ok((None, "the tree of another grid".into())),
             "Tree_float_5_4_3" => (SampleType::F32, "floats"),
             "Tree_double_5_4_3" => (SampleType::F64, "doubles"),
+            HALF => (SampleType::F32, "halfs"),
             kind => return Ok((None, quoted(kind.as_bytes()))),
         };
         let flags = header.flags(source)?;
@@ -50,18 +55,63 @@ impl Grid {
         };
         let class = if content.is_none() { "no class" } else { &metadata.class };
         let words = format!("{class}, {words}");
-        let encoding = ValueEncoding { version: header.version, kind, is_half: about.is_half, flags, background: 0.0 };
+        let is_half = about.is_half || about.kind == HALF;
+        let single = if about.kind == HALF { 2 } else { kind.bytes() };
+        let encoding = ValueEncoding { version: header.version, kind, is_half, single, flags, background: 0.0 };
         Ok((Some(Grid { about, encoding, content, metadata }), words))
     }
 
-    /// Reads the grid after its metadata, which may hold the corners; offsets are checked if `has_offsets`.
-    pub fn volume(self, source: &mut Source, has_offsets: bool) -> Result<Shape, ShapeError> {
-        let Grid { about, mut encoding, content, metadata } = self;
-        if metadata.is_half != about.is_half {
+    /// Reads the grid after its metadata, which may hold the corners; offsets are checked if `has_offsets`. `None`: it has no active
+    /// voxels.
+    pub fn volume(&self, source: &mut Source, has_offsets: bool) -> Result<Option<Shape>, ShapeError> {
+        let transform = metadata::transform(source)?;
+        if self.about.kind != HALF || !has_offsets {
+            return self.placed(source, has_offsets, transform);
+        }
+        self.halfs(source, transform)
+    }
+
+    fn halfs(&self, source: &mut Source, transform: (DVec3, DMat3)) -> Result<Option<Shape>, ShapeError> {
+        // OpenVDB 13 stores single values in 2 bytes; other writers of this type take the 4 of a float saved as half.
+        let offset = source.offset;
+        let left = self.about.end.saturating_sub(offset);
+        let bytes = source.block(left, "a grid")?;
+        let with = |single| {
+            let mut reader = &bytes[..];
+            let mut inner = Source::new(source.file.clone(), offset + left, None, &mut reader);
+            inner.offset = offset;
+            let grid = Grid { encoding: ValueEncoding { single, ..self.encoding }, ..self.clone() };
+            let found = grid.placed(&mut inner, true, transform)?;
+            Ok((found, inner.notes.take()))
+        };
+        let (found, notes) = with(2).or_else(|error: ShapeError| with(4).map_err(|_| error))?;
+        notes.into_iter().for_each(|note| source.note(note));
+        Ok(found)
+    }
+
+    /// The tree of this grid with the meaning of an instance.
+    pub fn shared_with(&self, instance: &Grid) -> Grid {
+        Grid { content: instance.content, ..self.clone() }
+    }
+
+    /// Reads the tree with another transform, after that of the grid itself.
+    pub fn instance(&self, source: &mut Source, transform: (DVec3, DMat3)) -> Result<Option<Shape>, ShapeError> {
+        metadata::transform(source)?;
+        if self.about.kind == HALF { self.halfs(source, transform) } else { self.placed(source, true, transform) }
+    }
+
+    /// Reads the tree with the transform of this grid or of another one that shares it.
+    pub fn placed(
+        &self,
+        source: &mut Source,
+        has_offsets: bool,
+        (zero, steps): (DVec3, DMat3),
+    ) -> Result<Option<Shape>, ShapeError> {
+        let Grid { about, mut encoding, content, metadata } = self.clone();
+        if metadata.is_half != about.is_half && about.kind != HALF {
             let expected = "`is_saved_as_half_float` as the type of the grid says it";
             return Err(source.malformed_at(about.place, expected, format!("{}", metadata.is_half)));
         }
-        let (zero, steps) = metadata::transform(source)?;
         let tree = Tree::read(source, &mut encoding)?;
         let check = |source: &Source, offset: u64, expected| {
             if has_offsets && offset != source.offset {
@@ -81,7 +131,7 @@ impl Grid {
                 (min.as_i64vec3(), max.as_i64vec3())
             }
             (_, Some([min, max])) => (min.as_i64vec3() - 1, max.as_i64vec3() + 1),
-            _ => return wrong("a grid with active voxels", "none"),
+            _ => return Ok(None),
         };
         let size = (max - min + 1).to_array().map(|n| n as u64);
         let most = SMALL.max(source.len.saturating_mul(MAX_VOXELS_PER_BYTE));
@@ -105,6 +155,6 @@ impl Grid {
                 quoted(about.name.as_bytes())
             ));
         }
-        placement.volume(source, values).map(Shape::Volume)
+        placement.volume(source, values).map(|volume| Some(Shape::Volume(volume)))
     }
 }

@@ -17,6 +17,7 @@ pub(super) const SIGNED_DISTANCE: &str = "signed distance";
 const HALF: &str = "_HalfFloat";
 
 /// Description of a grid before its content.
+#[derive(Clone)]
 pub(super) struct Descriptor {
     /// Name, with a number in brackets if several grids share it.
     pub name: String,
@@ -26,15 +27,16 @@ pub(super) struct Descriptor {
     pub kind: String,
     /// Whether values are stored in 16 bits.
     pub is_half: bool,
-    /// Whether the grid shares the tree of another grid.
-    pub is_instance: bool,
+    /// Name with its number as the file has it, and that of the grid whose tree it shares; empty if it has its own.
+    pub unique: String,
+    pub parent: String,
     /// Offsets of the leaves and of the next grid, and the place of the latter in the file.
     pub blocks: u64,
     pub end: u64,
     pub place: Location,
 }
 
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Metadata {
     pub class: String,
     /// Whether values are stored in 16 bits.
@@ -60,7 +62,7 @@ impl Descriptor {
         let (unique, mut kind) = (name(source, "the name of a grid")?, name(source, "the type of a grid")?);
         let is_half = kind.ends_with(HALF);
         kind.truncate(kind.len() - if is_half { HALF.len() } else { 0 });
-        let is_instance = !name(source, "the parent of a grid")?.is_empty();
+        let parent = name(source, "the parent of a grid")?;
         let place = Location::Byte(source.offset);
         let mut offset = || source.array("the offsets of a grid").map(u64::from_le_bytes);
         let [_, blocks, end] = [offset()?, offset()?, offset()?];
@@ -69,7 +71,7 @@ impl Descriptor {
             Some((base, number)) => (format!("{base}[{number}]"), base.len()),
             None => (unique.clone(), unique.len()),
         };
-        Ok(Descriptor { name, base, kind, is_half, is_instance, blocks, end, place })
+        Ok(Descriptor { name, base, kind, is_half, unique, parent, blocks, end, place })
     }
 }
 

@@ -31,6 +31,8 @@ pub(super) struct ValueEncoding {
     pub kind: SampleType,
     /// Whether nodes store 16-bit floats.
     pub is_half: bool,
+    /// Bytes of a value outside of nodes: those of the type, or 2.
+    pub single: u64,
     /// Compression flags.
     pub flags: u32,
     pub background: f32,
@@ -49,8 +51,11 @@ pub(super) fn count(mask: &[u8]) -> usize {
 impl ValueEncoding {
     /// Reads one value outside of a node.
     pub fn value(&self, source: &mut Source) -> Result<f32, ShapeError> {
-        let bytes = source.block(self.kind.bytes(), WHAT)?;
-        Ok(self.kind.value(&bytes, false) as f32)
+        let bytes = source.block(self.single, WHAT)?;
+        Ok(match bytes[..] {
+            [low, high] => f16::from_le_bytes([low, high]).to_f32(),
+            _ => self.kind.value(&bytes, false) as f32,
+        })
     }
 
     /// Reads the values of a node of `places` values with an active mask.
@@ -85,8 +90,8 @@ impl ValueEncoding {
 
     /// Reads `places` stored values.
     fn stored(&self, source: &mut Source, places: usize) -> Result<Vec<f32>, ShapeError> {
-        if self.is_half && places == 0 {
-            return Ok(Vec::new()); // the length is left out too
+        if self.is_half && self.single != 2 && places == 0 {
+            return Ok(Vec::new()); // of floats saved as halfs, the length is left out too
         }
         if self.is_half {
             let bytes = self.data(source, 2 * places)?;

@@ -18,6 +18,7 @@ mod paint;
 mod ply;
 mod raw;
 mod strange;
+mod strangers;
 mod vdb;
 mod vdb_versions;
 mod vdb_write;

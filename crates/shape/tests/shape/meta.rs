@@ -2,7 +2,7 @@
 
 use crate::packed::zlib;
 use glam::{Mat3, Vec3};
-use hypertexture_shape::{Content, Shape, Volume, open, read};
+use hypertexture_shape::{Content, Opened, Shape, Volume, open, read};
 use std::fs;
 
 /// Name and encoder of a type.
@@ -246,7 +246,6 @@ fn data_beside_the_header_is_read_and_what_is_before_it_is_not() {
         ("../v.raw", "put the file of the data beside this one"),
         ("/etc/passwd", "put the file of the data beside this one"),
         ("deep", "is a directory"),
-        ("h.raw", "the header declares 60 bytes of data"),
         ("a\u{0}b", "its data file"),
         (&"n".repeat(256), "the data file `nnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnn...` is not supported; put"),
         (&"n/".repeat(600), "put the file of the data beside this one"),
@@ -263,6 +262,10 @@ fn data_beside_the_header_is_read_and_what_is_before_it_is_not() {
         let line = open(&shown("v.mhd")).unwrap_err().to_string();
         assert!(line.contains(said) && !line.contains('\n'), "{file}: {line}");
     }
+    // Of a file that is longer than declared, the first values count.
+    fs::write(at("v.mhd"), HEADER.replace("LOCAL", "h.raw")).unwrap();
+    let opened = Opened::of(&shown("v.mhd")).unwrap();
+    assert_eq!(opened.notes, ["bytes after the data that the header declares are left out: 17"]);
     assert!(error(&HEADER.replace("LOCAL", "v.raw"), &[]).contains("put the file of the data beside this one"));
 }
 

@@ -313,12 +313,12 @@ fn what_is_wrong_is_said_with_its_place() {
         (vec![Dim(0, 1)], "an image of 4 is not supported"),
         (vec![Dim(0, 4), Dim(4, 20)], "an image of 4 x 5 x 3 x 20 is not supported; extract one volume"),
         (vec![Dim(0, 5), Dim(4, 1), Dim(5, 3)], "an image of 4 x 5 x 3 x 1 x 3 is not supported"),
-        (vec![Dim(0, 4), Dim(4, 0)], "byte 42: expected sizes of at least 1, found 4 x 5 x 3 x 0"),
+        (vec![Dim(0, 4), Dim(4, -1)], "byte 42: expected sizes of at least 1, found 4 x 5 x 3 x -1"),
+        (vec![Dim(0, 5), Dim(4, 0), Dim(5, 2)], "an image of 4 x 5 x 3 x 1 x 2 is not supported; extract one volume"),
         (vec![Dim(1, 0)], "byte 42: expected sizes of at least 1, found 0 x 5 x 3"),
         (vec![Dim(2, -5)], "byte 42: expected sizes of at least 1, found 4 x -5 x 3"),
         (vec![Dim(1, 32767), Dim(2, 32767), Dim(3, 32767)], "32767 x 32767 x 32767 voxels, the limit is 2147483648"),
         (vec![Dim(3, 4)], "the header declares 80 bytes of data (4 x 5 x 4 voxels of 1 bytes), the file holds 60"),
-        (vec![Dim(3, 2)], "the header declares 40 bytes"),
         (vec![Datatype(0)], "byte 70: the datatype 0 is not supported"),
         (vec![Datatype(1)], "byte 70: the datatype bits, 1 is not supported"),
         (vec![Datatype(32)], "the datatype complex64, 32 is not supported; convert it to one number for each voxel"),
@@ -328,9 +328,7 @@ fn what_is_wrong_is_said_with_its_place() {
         (vec![Datatype(2048)], "the datatype complex256, 2048 is not supported"),
         (vec![Datatype(2304)], "the datatype RGBA32, 2304 is not supported"),
         (vec![Datatype(-2)], "the datatype -2 is not supported"),
-        (vec![Datatype(16)], "byte 72: expected as many bits as the datatype has, found 8 for float32"),
-        (vec![Bitpix(16)], "byte 72: expected as many bits as the datatype has, found 16 for uint8"),
-        (vec![Bitpix(-8)], "byte 72: expected as many bits"),
+        (vec![Datatype(16)], "the header declares 240 bytes of data (4 x 5 x 3 voxels of 4 bytes), the file holds 60"),
         (vec![Offset(351.0)], "byte 108: expected a vox_offset of whole bytes after the header"),
         (vec![Offset(352.5)], "found 352.5"),
         (vec![Offset(-352.0)], "byte 108: expected a vox_offset"),
@@ -402,7 +400,6 @@ fn bombs_and_promises_are_refused_at_once() {
     let bomb = |fields: &[Field]| [gzip(&LITTLE.header(fields)), zeros.clone()].concat();
     let start = thread_seconds();
     for (fields, said) in [
-        (vec![], "(4 x 5 x 3 voxels of 1 bytes), the file holds more"),
         (vec![Dim(1, 32767), Dim(2, 32767), Dim(3, 2)], "the header declares 2147352578 bytes"),
         (vec![Offset(268435456.0)], "(4 x 5 x 3 voxels of 1 bytes"),
     ] {

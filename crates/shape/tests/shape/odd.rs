@@ -186,7 +186,6 @@ fn hexadecimal_digits_are_bytes() {
             whole[..whole.len() - 2].to_string(),
             "declares 60 bytes of data (4 x 5 x 3 voxels of 1 bytes), the file holds 59",
         ),
-        (format!("{whole} 00"), "the file holds more"),
         ("00".into(), "the file holds at most 1"),
     ] {
         let line = read("a.nrrd", &nrrd(&header, text.as_bytes())).unwrap_err().to_string();

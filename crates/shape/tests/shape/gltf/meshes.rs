@@ -281,7 +281,7 @@ fn what_is_left_out_of_the_geometry_is_noted_and_the_rest_is_not() {
         "primitives of points or lines are left out: 4",
         "primitives without positions are left out: 1",
         "corners of incomplete triangles are left out: 4",
-        "skins are not applied, their meshes stand where their nodes put them: 1",
+        "skins are not applied, their meshes keep the pose in which they were bound: 1",
         "morph targets are not applied, their meshes keep their base shape: 1",
         "hidden nodes are left out, with all below them: 1",
         "animations are not played, nodes stand where they are at rest: 1",

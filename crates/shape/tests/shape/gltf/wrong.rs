@@ -25,6 +25,7 @@ fn wrong_values() -> Vec<Wrong> {
             "extensionsRequired[1]: the",
         ),
         ("/extensionsRequired", json!(["EXT_mesh_gpu_instancing"]), "export it without this extension"),
+        // It may be used under an escape.
         ("/extensionsRequired", json!(["X\u{1b}\n"]), "extensionsRequired[0]: the extension `X"),
         ("/scene", json!(1), "scene: expected the index of an existing entry, found 1 of 1, counted from 0"),
         ("/scene", json!(-1), "scene: expected a value of the glTF"),
@@ -65,7 +66,7 @@ fn wrong_values() -> Vec<Wrong> {
             json!({ "matrix": many(16), "scale": [1, 1, 1] }),
             "nodes[0].matrix: expected either a matrix or its parts",
         ),
-        ("/nodes/0/rotation", json!([0, 0, 0, 0]), "nodes[0].rotation: expected a rotation of length 1"),
+        ("/nodes/0/rotation", json!([0, 0, 0, 0.5]), "nodes[0].rotation: expected a rotation of length 1"),
         ("/nodes/0/rotation", json!([1, 1, 0, 0]), "nodes[0].rotation: expected a rotation of length 1"),
         ("/nodes/0/scale", json!([1, 1]), "nodes[0].scale: expected a value of the glTF"),
         ("/nodes/0/scale", json!([0, 0, 0]), "no triangles (4 of zero area were dropped)"),
@@ -78,8 +79,8 @@ fn wrong_values() -> Vec<Wrong> {
             json!({ "EXT_mesh_gpu_instancing": {} }),
             "nodes[0].extensions: the extension `EXT_mesh_gpu",
         ),
-        ("/meshes/0", json!({}), "meshes[0]: expected a value of the glTF 2.0 schema, found no `primitives`"),
-        ("/meshes/0/primitives", json!([]), "no triangles"),
+        ("/meshes/0", json!({}), "meshes[0]: expected 1 primitive or more, found no `primitives`"),
+        ("/meshes/0/primitives", json!([]), "meshes[0]: expected 1 primitive or more"),
         ("/meshes/0/primitives/0/attributes", json!({}), "no triangles (primitives without positions are left out: 1)"),
         (
             "/meshes/0/primitives/0/attributes/POSITION",
@@ -91,11 +92,6 @@ fn wrong_values() -> Vec<Wrong> {
         ("/meshes/0/primitives/0/indices", json!(0), "accessors[0].type: expected `SCALAR`, found `VEC3`"),
         ("/meshes/0/primitives/0/mode", json!(7), "meshes[0].primitives[0].mode: expected 0 to 6, found 7"),
         ("/meshes/0/primitives/0/mode", json!(1), "no triangles"),
-        (
-            "/meshes/0/primitives/0/extensions",
-            json!({ "KHR_draco_mesh_compression": { "bufferView": 0 } }),
-            "meshes[0].primitives[0].extensions: the extension `KHR_draco_mesh_compression` is not supported; export it without",
-        ),
         ("/accessors/0/bufferView", json!(2), "accessors[0].bufferView: expected the index of"),
         (
             "/accessors/0/bufferView",
@@ -113,7 +109,7 @@ fn wrong_values() -> Vec<Wrong> {
         ("/accessors/0/componentType", json!(5130), "accessors[0].componentType: expected 5126"),
         ("/accessors/0/count", json!(5), "accessors[0].count: expected as many elements as its view holds"),
         ("/accessors/0/count", json!(u64::MAX), "accessors[0].count: expected as many elements as its view holds"),
-        ("/accessors/0/count", json!(0), "accessors[0].count: expected 1 or more, found 0"),
+        ("/accessors/0/count", json!(0), "no triangles (primitives without vertices or indices are left out: 1)"),
         ("/accessors/0/count", json!(-4), "accessors[0].count: expected a value of the glTF"),
         (
             "/accessors/0/count",
@@ -158,16 +154,6 @@ fn wrong_values() -> Vec<Wrong> {
             "/bufferViews/1/byteStride",
             json!(4),
             "bufferViews[1].byteStride: expected a multiple of 4 up to 252 that holds an element, and none",
-        ),
-        (
-            "/bufferViews/1/extensions",
-            json!({ "EXT_meshopt_compression": {} }),
-            "bufferViews[1].extensions: the extension `EXT_meshopt",
-        ),
-        (
-            "/bufferViews/1/extensions",
-            json!({ "KHR_meshopt_compression": {} }),
-            "bufferViews[1].extensions: the extension `KHR_meshopt",
         ),
         ("/buffers", json!([]), "bufferViews[0].buffer: expected the index of an existing entry, found 0 of 0"),
         (

@@ -106,7 +106,7 @@ fn whatever_is_wrong_is_told_in_one_line() {
         "1 of 23400 voxels are NaN, infinite or beyond 32-bit floats",
     );
     let empty = error(&voxels(&[]));
-    assert!(empty.contains("expected a grid with active voxels, found none"), "{empty}");
+    assert!(empty.contains("without active voxels is not supported"), "{empty}");
     assert!(error(&voxels(&[[0; 3]; 2])).contains("each once"));
 }
 
