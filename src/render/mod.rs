@@ -39,4 +39,6 @@ pub use portable::{
 };
 pub use subject::{Subject, SubjectRequest, field_margin, open, request};
 pub use variant::{Blocks, OCTAVES_ID};
-pub use volume::{VoxelError, VoxelFit, VoxelGrids, VoxelLeaf, VoxelPlan, VoxelReport, voxelize};
+pub use volume::{
+    VoxelError, VoxelExtinction, VoxelFit, VoxelGrids, VoxelLeaf, VoxelPlan, VoxelReport, lit_media, voxelize,
+};

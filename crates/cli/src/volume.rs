@@ -1,4 +1,4 @@
-//! `volume`: the density and color of a hypertextured object, as a fog volume.
+//! `volume`: the density, extinction and color of a hypertextured object, as a fog volume.
 
 use super::scene_arguments::{ObjectFlags, SceneArguments, files_read};
 use super::sequence::{FrameObject, Times};
@@ -9,17 +9,22 @@ use hypertexture::gpu::{Gpu, Options};
 use hypertexture::output::{self, PROGRAM};
 use hypertexture::render::variant::Variant;
 use hypertexture::render::{
-    Subject, VoxelError, VoxelGrids, VoxelLeaf, VoxelPlan, VoxelReport, try_custom_modules, voxelize,
+    Subject, VoxelError, VoxelExtinction, VoxelFit, VoxelGrids, VoxelLeaf, VoxelPlan, VoxelReport, lit_media,
+    try_custom_modules, voxelize,
 };
-use hypertexture::scene::Scene;
+use hypertexture::scene::{Axis, Scene};
 use hypertexture::shader::Library;
 use hypertexture::shape::{self, Fog, FogGrid, FogLeaf, VolumeFormat};
 use hypertexture_support::{free_space, memory, significant, write_whole_by};
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::error::Error;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+
+/// RMS error of the density beyond which a volume is called coarse.
+const COARSE: f64 = 0.02;
 
 /// Arguments of `volume`.
 #[derive(Args)]
@@ -147,35 +152,35 @@ impl Maker<'_> {
             _ => self.write_dense(&plan, path)?,
         };
         let seconds = began.elapsed().as_secs_f64();
-        let extinction = f64::from(scene.effect.opacity_rate * self.subject.scale);
-        let VoxelReport { leaves, evaluated, gpu_ms, fit } = report;
+        let VoxelReport { leaves, evaluated, gpu_ms, fit, extinction } = report;
         let floats = if self.command.half { "16-bit floats" } else { "32-bit floats" };
+        let media = lit_media(self.library, &variant);
         if !quiet {
             let [x, y, z] = plan.size;
-            let [step, rms, largest, thin] =
-                [plan.step, fit.rms, fit.largest, extinction].map(|number| significant(number, 3));
-            let halved = match fit.halved_by {
-                Some(grid) => format!("half of it at --grid {grid}"),
-                None => "its detail is finer than voxels".into(),
-            };
             say(&format!(
-                "volume     {x} x {y} x {z} voxels of {step} world units; {leaves} leaves of 8 x 8 x 8 hold matter\n\
+                "volume     {x} x {y} x {z} voxels of {} world units; {leaves} leaves of 8 x 8 x 8 hold matter\n\
                  grids      {}: {floats}{}\n\
-                 error      RMS {rms}, largest {largest} at {} places in these leaves; {halved} (order {:.2})\n\
-                 extinction {thin} times the density per world unit, where it is thin\n\
+                 error      {}\n\
+                 extinction {}\n\
+                 color      {}\n\
+                 axes       {}\n\
                  time       {:.1} s on the device for {evaluated} voxels, {seconds:.1} s in all\nwrote {}\n",
+                significant(plan.step, 3),
                 grids.names.join(", "),
                 grids.color.map_or(String::new(), |color| format!("; all of the color {color:?}, linear")),
-                fit.places,
-                fit.order,
+                error_line(&fit),
+                extinction_line(&extinction),
+                color_line(&media),
+                axes_line(scene.object.up),
                 1e-3 * gpu_ms,
                 absolute(path)
             ));
         }
         Ok(json!({
             "file": absolute(path), "size": plan.size, "voxel": plan.step, "origin": plan.origin.to_array(), "grids": grids.names, "color": grids.color,
-            "leaves": leaves, "evaluated": evaluated, "error": fit, "extinction": extinction, "gpu_ms": gpu_ms,
-            "all_ms": 1e3 * seconds,
+            "leaves": leaves, "evaluated": evaluated, "error": fit, "extinction": extinction.constant_factor(),
+            "extinction_range": extinction.factor, "largest_extinction": extinction.largest, "extinction_limit": extinction.limit,
+            "limited_voxels": extinction.limited, "lit_media": media, "gpu_ms": gpu_ms, "all_ms": 1e3 * seconds,
         }))
     }
 
@@ -220,7 +225,7 @@ impl Maker<'_> {
         let size = plan.size.map(|side| side as usize);
         let mut values = vec![0.0_f32; size.iter().product()];
         let report = self.voxelize(plan, &mut |leaves| {
-            for VoxelLeaf { corner, voxels } in leaves {
+            for VoxelLeaf { corner, voxels, .. } in leaves {
                 for (index, [.., density]) in voxels.into_iter().enumerate() {
                     let within = FogLeaf::at(index);
                     let at = [0, 1, 2].map(|axis| (corner[axis] + within[axis]) as usize);
@@ -237,6 +242,64 @@ impl Maker<'_> {
         write_whole_by(path, |file| self.format.write(&volume, file)).map_err(|error| unwritten(path, error))?;
         Ok((report, Content { names: vec!["density"], color: None }))
     }
+}
+
+fn error_line(fit: &VoxelFit) -> String {
+    let [rms, largest] = [fit.rms, fit.largest].map(|number| significant(number, 3));
+    let halved = match fit.halved_by {
+        Some(grid) => format!("half of it at --grid {grid}"),
+        None => "its detail is finer than voxels".into(),
+    };
+    let coarse = if fit.rms > COARSE { "coarse: " } else { "" };
+    format!(
+        "{coarse}RMS {rms}, largest {largest} of a density of 0 to 1, at {} places in these leaves; {halved} (order {:.2})",
+        fit.places, fit.order
+    )
+}
+
+fn extinction_line(extinction: &VoxelExtinction) -> String {
+    let [largest, limit] = [extinction.largest, extinction.limit].map(|number| significant(number, 3));
+    let largest = match extinction.limited {
+        0 => format!("the largest is {largest}"),
+        count => {
+            format!("{count} voxels, of hard or almost hard matter, have the limit {limit}, an optical depth of 16")
+        }
+    };
+    let factor = match (extinction.constant_factor(), extinction.factor) {
+        (Some(factor), _) => format!("{} times -ln(1 - density) per world unit; ", significant(factor, 3)),
+        (None, Some(ends)) => {
+            let [low, high] = ends.map(|number| significant(number, 3));
+            format!("{low} to {high} times -ln(1 - density) per world unit, by the place; ")
+        }
+        (None, None) => "per world unit; ".into(),
+    };
+    factor + &largest
+}
+
+/// The role of the color in other renderers.
+fn color_line(media: &BTreeMap<String, bool>) -> String {
+    let named =
+        |lit: bool| media.iter().filter(|(_, is)| **is == lit).map(|(name, _)| name.as_str()).collect::<Vec<_>>();
+    let (lit, shining) = (named(true).join(", "), named(false).join(", "));
+    let emission = "emission, times the extinction";
+    match (lit.is_empty(), shining.is_empty()) {
+        (false, true) => format!("albedo of {lit}: lit by the lights of the other program"),
+        (true, _) => format!("{emission} ({shining})"),
+        (false, false) => format!("albedo of {lit}; {emission}, of {shining}"),
+    }
+}
+
+/// The turn from the axes of the file to Blender's, whose z axis points up.
+fn axes_line(up: Axis) -> String {
+    let turn = match up {
+        Axis::Z => "as in Blender",
+        Axis::Y => "turn it in Blender by 90 degrees about x",
+        Axis::MinusY => "turn it in Blender by -90 degrees about x",
+        Axis::MinusZ => "turn it in Blender by 180 degrees about x",
+        Axis::X => "turn it in Blender by -90 degrees about y",
+        Axis::MinusX => "turn it in Blender by 90 degrees about y",
+    };
+    format!("those of the input, where {} points up: {turn}", up.name())
 }
 
 fn unwritten(path: &Path, error: io::Error) -> String {

@@ -1,4 +1,4 @@
-//! Density and color at voxels, on the device.
+//! Density, color and extinction at voxels, on the device.
 //!
 //! Invariant: the density is that of [`polygonize`](crate::render::polygonize), in f32.
 
@@ -9,7 +9,7 @@ use crate::render::camera::{FrameContext, SubFrame};
 use crate::render::error::RenderError;
 use crate::render::inputs::Inputs;
 use crate::render::subject::Subject;
-use crate::render::variant::{Purpose, Variant, as_density};
+use crate::render::variant::{Purpose, Variant};
 use crate::shader::{Library, Linker};
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
@@ -32,9 +32,16 @@ pub(crate) struct VoxelProgram {
 }
 
 impl VoxelProgram {
-    /// Links the program of a scene and uploads its inputs, at the first moment of the scene.
-    pub fn new(gpu: &Gpu, library: &Library, drawn: &Variant, subject: &Subject) -> Result<VoxelProgram, RenderError> {
-        let (library, variant) = as_density(library, &drawn.for_purpose(Purpose::Voxels, library)?);
+    /// Links the program of a scene and uploads its inputs, at the first moment of the scene. `as_value` puts the value of alpha in
+    /// place of the opacity.
+    pub fn new(
+        gpu: &Gpu,
+        library: &Library,
+        drawn: &Variant,
+        subject: &Subject,
+        as_value: fn(&Library, &Variant) -> (Library, Variant),
+    ) -> Result<VoxelProgram, RenderError> {
+        let (library, variant) = as_value(library, &drawn.for_purpose(Purpose::Voxels, library)?);
         let program = variant.program(&library, Linker::new)?;
         let frame = FrameContext::of(drawn.clone(), subject);
         let inputs = Inputs::new(&library, &frame, &program, &|_| ())?;

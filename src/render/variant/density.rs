@@ -2,7 +2,7 @@
 
 use super::scene_variant::Variant;
 use crate::scene::{Color, Scene};
-use crate::shader::Library;
+use crate::shader::{Library, tokens};
 
 /// Opacity module that returns the density, whatever the path.
 const DENSITY: &str = "// The density in place of the opacity of a path.
@@ -10,11 +10,34 @@ float opacity(float density, float amount) { return density; }
 float segment_opacity(float d0, float d1, float amount) { return 0.5 * (d0 + d1); }
 ";
 
+/// Extinction where the density is 1, which is infinite.
+const OPAQUE: f32 = 1e30;
+
 /// A program of a scene with the density in place of the opacity, and its library.
 pub(crate) fn as_density(library: &Library, variant: &Variant) -> (Library, Variant) {
+    with_opacity(library, variant, "density", DENSITY)
+}
+
+/// A program of a scene with the extinction per object unit in place of the opacity, and its library: above 1e29 where it is
+/// infinite.
+pub(crate) fn as_extinction(library: &Library, variant: &Variant) -> (Library, Variant) {
+    let own = variant.module("opacity").and_then(|name| library.source(&format!("opacity/{name}.glsl")));
+    let own: String =
+        tokens(own.unwrap_or_default()).map(|word| if word == "opacity" { "opacity_of_path" } else { word }).collect();
+    // Of a short path of the scene's own opacity: its logarithm cancels nothing, and it never rounds to 1 below a density of 1.
+    let module = format!(
+        "{own}\n#include \"exponential.glsl\"\n\
+         float opacity(float density, float amount) {{\n    \
+         float alpha = opacity_of_path(density, 0.01);\n    \
+         return alpha >= 1.0 ? {OPAQUE:e} : -100.0 * log_one_minus(alpha) * (amount / step_size);\n}}\n"
+    );
+    with_opacity(library, variant, "extinction", &module)
+}
+
+fn with_opacity(library: &Library, variant: &Variant, name: &str, module: &str) -> (Library, Variant) {
     let mut variant = variant.clone();
-    variant.slots.entry("opacity".into()).and_modify(|names| *names = vec!["density".into()]);
-    (library.clone().with_module("opacity", "density", DENSITY), variant)
+    variant.slots.entry("opacity".into()).and_modify(|names| *names = vec![name.into()]);
+    (library.clone().with_module("opacity", name, module), variant)
 }
 
 /// The scene in white ambient light alone. A medium that reads the light but no ambient light keeps the scene's own.

@@ -12,7 +12,7 @@ mod reflect;
 mod scene_variant;
 
 pub use crate::scene::FORMULAS;
-pub(crate) use density::{as_density, unlit};
+pub(crate) use density::{as_density, as_extinction, unlit};
 pub use error::VariantError;
 pub(crate) use program::parts;
 pub use program::{Blocks, OCTAVES_ID, Program, why_left_out};

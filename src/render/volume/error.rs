@@ -25,7 +25,7 @@ pub enum VoxelError {
     )]
     Empty(u32, u32, u32),
     /// A voxel is not finite.
-    #[error("the density or color at voxel {0}, {1}, {2} is not finite; {FINITE}", FINITE = crate::render::FINITE)]
+    #[error("the density, color or extinction at voxel {0}, {1}, {2} is not finite; {FINITE}", FINITE = crate::render::FINITE)]
     NotFinite(u32, u32, u32),
     /// The voxels cannot be encoded.
     #[error(transparent)]

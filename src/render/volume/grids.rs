@@ -12,7 +12,7 @@ use std::io;
 /// Relative difference between colors of one flat color, by rounding.
 const FLAT: f32 = 1e-5;
 
-/// Grids of a scene: `density`; `color`, linear RGB, unless all matter has one color; `temperature`, the luminance of a single object's
+/// Grids of a scene: `density`; `extinction`, per world unit; `color`, linear RGB, unless all matter has one color; `temperature`, the luminance of a single object's
 /// colors of a transfer map; and `vel`, world units per second, where the matter rises at a constant speed.
 pub struct VoxelGrids {
     shines: bool,
@@ -23,7 +23,7 @@ pub struct VoxelGrids {
 
 impl VoxelGrids {
     /// Largest number of values of a voxel, except for a constant velocity, which compresses to nothing.
-    pub const CHANNELS: u64 = 5;
+    pub const CHANNELS: u64 = 6;
 
     /// Grids of a scene.
     pub fn of(variant: &Variant, subject: &Subject) -> VoxelGrids {
@@ -36,7 +36,7 @@ impl VoxelGrids {
     /// The grids in the order of the values of a leaf.
     pub fn list(&self) -> Vec<FogGrid> {
         let grid = |name, channels| FogGrid { name, channels };
-        let mut all = vec![grid("density", 1), grid("color", 3)];
+        let mut all = vec![grid("density", 1), grid("extinction", 1), grid("color", 3)];
         all.extend(self.shines.then_some(grid("temperature", 1)));
         all.extend(self.velocity.map(|_| grid("vel", 3)));
         all
@@ -73,8 +73,10 @@ impl VoxelGrids {
     fn encoded(&self, leaf: &VoxelLeaf, is_half: bool) -> io::Result<FogLeaf> {
         let active: Vec<bool> = leaf.voxels.iter().map(is_matter).collect();
         let matter = || leaf.voxels.iter().filter(|voxel| is_matter(voxel));
+        let extinctions = leaf.extinctions.iter().zip(&active).filter(|(_, is_active)| **is_active);
         let mut values: Vec<Vec<f32>> = vec![
             matter().map(|[.., density]| *density).collect(),
+            extinctions.map(|(extinction, _)| *extinction).collect(),
             matter().flat_map(|[red, green, blue, _]| [*red, *green, *blue]).collect(),
         ];
         // Luminance of Rec. 709.

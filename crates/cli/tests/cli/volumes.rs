@@ -45,7 +45,7 @@ fn openvdb_reads_the_grids_their_places_and_their_values() {
         let made = &said["volumes"][0];
         let Some(all) = grids(folder, "b.vdb") else { return };
         let names: Vec<&String> = all.as_object().unwrap().keys().collect();
-        assert_eq!(names, ["color", "density", "temperature"]);
+        assert_eq!(names, ["color", "density", "extinction", "temperature"]);
         let step = made["voxel"].as_f64().unwrap();
         assert!((step - 2.7 / 37.0).abs() < 1e-6, "{step}"); // a voxel is outside at each end
         let close = if flags.is_empty() { 2e-5 } else { 6e-4 };
@@ -69,6 +69,13 @@ fn openvdb_reads_the_grids_their_places_and_their_values() {
                 let world = [0, 1, 2].map(|axis| origin[axis] + step * item[axis].as_f64().unwrap());
                 let radius = world.iter().map(|part| part * part).sum::<f64>().sqrt();
                 let density = ((1.35 - radius) / 0.6).clamp(0.0, 1.0);
+                if name == "extinction" {
+                    // The rate is 40, and hard matter has the optical depth of 16 in a voxel.
+                    let expected = (-40.0 * (1.0 - density).ln()).min(16.0 / step);
+                    let near = 1e-3 * expected + close * 40.0 / (1.0 - density).max(1e-3);
+                    assert!((item[3].as_f64().unwrap() - expected).abs() < near, "{item} {expected}");
+                    continue;
+                }
                 let (value, close) = match &item[3] {
                     Value::Array(color) => (color[1].as_f64().unwrap(), 5e-3),
                     value => (value.as_f64().unwrap(), if name == "density" { close } else { 5e-3 }),
@@ -85,11 +92,84 @@ fn openvdb_reads_the_grids_their_places_and_their_values() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn the_extinction_is_that_of_the_medium() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    // Opacity rates of 8 and 140; hair covers by 0.2 over its length (glsl/medium/hair.glsl).
+    for (scene, expected) in [
+        ("torus --effect fire", 8.0),
+        ("torus --effect fire --set flame_opacity=0.1", 0.8),
+        ("torus --effect fur --set hair_length=0.1", 280.0),
+        ("torus --effect fur --set hair_length=0.5", 56.0),
+    ] {
+        let text = good(folder, &format!("volume {scene} --grid 24 --json -o v.vdb"));
+        let said: Value = serde_json::from_str(&text).unwrap();
+        let found = said["volumes"][0]["extinction"].as_f64().unwrap();
+        assert!((found / expected - 1.0).abs() < 2e-3, "{scene}: {found}");
+    }
+    let text = good(folder, "volume burning_bush --grid 32 -o v.vdb");
+    assert!(text.contains("times -ln(1 - density) per world unit, by the place"), "{text}");
+    assert!(text.contains("albedo of hair, solid; emission, times the extinction, of flame"), "{text}");
+    assert!(text.contains("where y points up: turn it in Blender by 90 degrees about x"), "{text}");
+    let text = good(folder, "volume phantom --iso 0.1 --up z --grid 16 -o v.vdb");
+    assert!(text.contains("where z points up: as in Blender"), "{text}");
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn small_bodies_are_named_and_dropped() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let bodies = |said: &str| said.split(" triangles, ").nth(1).unwrap().split(' ').next().unwrap().to_string();
+    let all = good(folder, "mesh furry_teapot --grid 64 -o a.stl");
+    assert!(all.contains("below 0.1% of the volume of the largest") && bodies(&all) != "1", "{all}");
+    assert!(all.contains("print      slicers read STL in mm: "), "{all}");
+    let one = good(folder, "mesh furry_teapot --grid 64 --smallest 0.1% -o b.ply");
+    assert!(one.contains("smaller ones were dropped") && !one.contains("print  "), "{one}");
+    assert!(fs::metadata(folder.join("b.ply")).unwrap().len() > 1000);
+    let none = run(folder, "mesh furry_teapot --grid 16 --smallest 1e9 -o c.stl");
+    assert!(none.status.code() == Some(2) && unexpected(&none).contains("none would be left; lower it"), "{none:?}");
+    assert!(!folder.join("c.stl").exists());
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_folder_of_the_name_of_a_scene_hides_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for _ in 0..2 {
+        good(folder, "export noisy_sphere -o noisy_sphere");
+    }
+    for rest in ["mesh noisy_sphere --grid 16 -o m.stl", "volume noisy_sphere --grid 16 -o v.vdb"] {
+        good(folder, rest);
+    }
+    let other = run(folder, "render ./noisy_sphere -o p.png");
+    assert!(other.status.code() == Some(2) && unexpected(&other).contains("is a directory"), "{other:?}");
+}
+
+#[test]
+fn a_conversion_keeps_colors_and_says_what_it_leaves_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::write(folder.join("a.obj"), "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nf 1 2 3\n").unwrap();
+    for (end, part) in [("ply", "property uchar red"), ("obj", "v 0 1 0 0 0 "), ("glb", "COLOR_0")] {
+        let said = good(folder, &format!("convert a.obj -o b.{end}"));
+        let bytes = fs::read(folder.join(format!("b.{end}"))).unwrap();
+        assert!(
+            said.contains("with colors of vertices") && String::from_utf8_lossy(&bytes).contains(part),
+            "{end}: {said}"
+        );
+    }
+    assert!(good(folder, "convert a.obj -o b.stl").contains("STL has no colors"));
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn frames_of_volumes_and_meshes_are_numbered_and_move() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let said = good(folder, "volume torus --effect fire --grid 24 --frames 3..4 --fps 2 -o f_##.vdb");
-    assert!(said.contains("density, color, temperature, vel: 32-bit floats"), "{said}");
+    assert!(said.contains("density, extinction, color, temperature, vel: 32-bit floats"), "{said}");
     let [a, b] = ["f_03.vdb", "f_04.vdb"].map(|name| fs::read(folder.join(name)).unwrap());
     assert!(a != b, "nothing moves");
     if let Some(all) = grids(folder, "f_03.vdb") {
