@@ -3,7 +3,7 @@
 use super::{absolute, say};
 use clap::Args;
 use hypertexture::output;
-use hypertexture::shape::{self, MeshFormat, Opened, RawLayout, SampleType, Shape, VolumeFormat};
+use hypertexture::shape::{self, Looks, MeshFormat, Opened, RawLayout, SampleType, Shape, VolumeFormat};
 use hypertexture_support::write_whole;
 use std::error::Error;
 use std::path::PathBuf;
@@ -57,7 +57,17 @@ pub(super) fn run(command: &Convert, quiet: bool) -> Result<(), Box<dyn Error>> 
             shape::open_raw(&command.input, &layout)?
         }
         None => {
-            let opened = Opened::with_grid(&command.input, command.grid.as_deref())?;
+            let (input, grid) = (&command.input, command.grid.as_deref());
+            let opened = match mesh.map(|_| Opened::with_paint(input, grid)) {
+                Some(Ok(opened)) => opened,
+                // Colors alone may be the fault.
+                Some(Err(error)) => {
+                    let plain = Opened::with_grid(input, grid)?;
+                    ::log::warn!("colors of materials are left out: {error}");
+                    plain
+                }
+                None => Opened::with_grid(input, grid)?,
+            };
             output::check_all([("--output", path.clone())], opened.others.clone())?;
             opened.warned(&command.input)
         }
@@ -70,8 +80,16 @@ pub(super) fn run(command: &Convert, quiet: bool) -> Result<(), Box<dyn Error>> 
             format!("volume     {}, values {low} to {high}", volume.size.map(|n| n.to_string()).join(" x "))
         }
         (Shape::Mesh(mesh), _, Some(format)) => {
-            format.write(mesh, &mut bytes)?;
-            format!("mesh       {} vertices, {} triangles", mesh.positions.len(), mesh.triangles.len())
+            let colors = mesh.vertex_colors();
+            let colored = match (colors.is_empty(), format.has_colors()) {
+                (true, _) => "",
+                (false, false) => "; STL has no colors, those of the mesh are left out",
+                (false, true) if mesh.paint.is_textured() => "; textures become colors of vertices",
+                (false, true) => ", with colors of vertices",
+            };
+            let looks = (!colors.is_empty()).then(|| Looks { normals: Vec::new(), colors });
+            format.write_with(mesh, looks.as_ref(), &mut bytes)?;
+            format!("mesh       {} vertices, {} triangles{colored}", mesh.positions.len(), mesh.triangles.len())
         }
         (_, Some(_), _) => {
             return Err(format!("{input}: not a volume; `hypertexture field {input}` writes its distance field").into());

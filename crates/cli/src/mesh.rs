@@ -6,13 +6,14 @@ use super::scene_arguments::{ObjectFlags, SceneArguments, files_read};
 use super::sequence::{FrameObject, Times};
 use super::{absolute, say, with_progress};
 use clap::Args;
+use glam::Vec3;
 use hypertexture::output;
 use hypertexture::render::variant::Variant;
 use hypertexture::render::{PolygonizeError, Polygons, Subject, polygonize, polygonize_with_looks, try_custom_modules};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
-use hypertexture::shape::MeshFormat;
-use hypertexture_support::write_whole;
+use hypertexture::shape::{Body, MeshFormat};
+use hypertexture_support::{significant, write_whole};
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
@@ -30,6 +31,9 @@ pub struct Mesh {
     /// Samples along the longest side of the mesh, 8 to 512.
     #[arg(long, default_value_t = 128)]
     pub grid: u32,
+    /// Drop bodies whose volume is less: cubic world units, or a part of the largest, as 0.1%.
+    #[arg(long, value_name = "VOLUME_OR_FRACTION", value_parser = smallest)]
+    pub smallest: Option<Smallest>,
     /// The frames.
     #[command(flatten)]
     pub times: Times,
@@ -40,6 +44,40 @@ pub struct Mesh {
     #[command(flatten)]
     pub arguments: SceneArguments,
 }
+
+/// Least volume of a body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Smallest {
+    /// Cubic world units.
+    Volume(f64),
+    /// A part of the volume of the largest body.
+    Fraction(f64),
+}
+
+impl Smallest {
+    /// The volume in cubic world units.
+    fn of(self, largest: f64) -> f64 {
+        match self {
+            Smallest::Volume(volume) => volume,
+            Smallest::Fraction(fraction) => fraction * largest,
+        }
+    }
+}
+
+fn smallest(text: &str) -> Result<Smallest, String> {
+    let (number, is_part) = text.trim().strip_suffix('%').map_or((text.trim(), false), |number| (number, true));
+    match number.trim().parse::<f64>() {
+        Ok(percent) if is_part && (0.0..=100.0).contains(&percent) => Ok(Smallest::Fraction(0.01 * percent)),
+        Ok(volume) if !is_part && volume >= 0.0 && volume.is_finite() => Ok(Smallest::Volume(volume)),
+        _ => {
+            Err("write a volume in cubic world units, such as 0.002, or a part of the largest body, such as 0.1%"
+                .into())
+        }
+    }
+}
+
+/// Part of the largest body below which a body is called a speck.
+const SPECK: f64 = 1e-3;
 
 /// Polygonizes the surface and writes it.
 pub(super) fn run(command: &Mesh, quiet: bool) -> Result<(), Box<dyn Error>> {
@@ -103,6 +141,24 @@ fn write(
         PolygonizeError::Grid(_) | PolygonizeError::Density(_) => format!("--{error}").into(),
         error => Box::<dyn Error>::from(error),
     })?;
+    let (mut mesh, mut looks) = (mesh, looks);
+    let bodies = mesh.bodies();
+    let largest = bodies.first().map_or(0.0, |body| body.volume);
+    let mut dropped = 0;
+    if let Some(smallest) = command.smallest {
+        let least = smallest.of(largest);
+        dropped = bodies.iter().filter(|body| body.volume < least).count();
+        if dropped == bodies.len() {
+            return Err(format!(
+                "--smallest: the largest of {dropped} bodies has a volume of {}, and none would be left; lower it",
+                significant(largest, 4)
+            )
+            .into());
+        }
+        if dropped > 0 {
+            mesh = mesh.without_bodies_below(least, looks.as_mut());
+        }
+    }
     let mut bytes = Vec::new();
     format.write_with(&mesh, looks.as_ref(), &mut bytes)?;
     write_whole(path, &bytes).map_err(|error| format!("{}: {error}; nothing was written", path.display()))?;
@@ -110,7 +166,7 @@ fn write(
         let (edges, size) = (mesh.edges(), mesh.bounds().max - mesh.bounds().min);
         say(&format!(
             "mesh       {} vertices, {} triangles, {}; {}\n\
-             size       {} x {} x {}, volume {} cubic world units\nwrote {}\n",
+             size       {} x {} x {}, volume {} cubic world units\n{}{}wrote {}\n",
             edges.vertices,
             mesh.triangles.len(),
             if edges.bodies == 1 { "1 body".into() } else { format!("{} bodies", edges.bodies) },
@@ -119,8 +175,60 @@ fn write(
             size.y,
             size.z,
             mesh.signed_volume(),
+            specks(&bodies, dropped),
+            print_size(format, size),
             absolute(path)
         ));
     }
     Ok(())
+}
+
+/// Line about bodies, by falling volume, that are small beside the largest, or were dropped.
+fn specks(bodies: &[Body], dropped: usize) -> String {
+    let least = SPECK * bodies.first().map_or(0.0, |body| body.volume);
+    let small: Vec<&Body> = bodies[..bodies.len() - dropped].iter().filter(|body| body.volume < least).collect();
+    let gone = if dropped > 0 { format!("{dropped} smaller ones were dropped") } else { String::new() };
+    let left = small.first().map(|first| {
+        let [x, y, z] = first.place.to_array().map(|part| significant(f64::from(part), 3));
+        let (count, volume) = (small.len(), significant(first.volume, 3));
+        format!(
+            "{count} below 0.1% of the volume of the largest, of up to {volume} (at {x}, {y}, {z}); --smallest 0.1% drops them"
+        )
+    });
+    let all: Vec<String> = [gone].into_iter().filter(|text| !text.is_empty()).chain(left).collect();
+    if all.is_empty() { String::new() } else { format!("bodies     {}\n", all.join("; ")) }
+}
+
+/// Line about the size of a print: the formats have no unit that slicers would read.
+fn print_size(format: MeshFormat, size: Vec3) -> String {
+    if !matches!(format, MeshFormat::Stl | MeshFormat::Obj) {
+        return String::new();
+    }
+    let [x, y, z] = size.to_array().map(|side| significant(f64::from(side), 3));
+    let name = if format == MeshFormat::Stl { "STL" } else { "OBJ" };
+    format!("print      slicers read {name} in mm: {x} x {y} x {z} mm; scale it there to the size of the print\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_least_body_is_a_volume_or_a_part() {
+        assert_eq!(smallest("0.002"), Ok(Smallest::Volume(0.002)));
+        assert_eq!(smallest("50 %").map(|smallest| smallest.of(4.0)), Ok(2.0));
+        assert!(["-1", "x", "101%", "nan", "inf", "%", ""].iter().all(|text| smallest(text).is_err()));
+    }
+
+    #[test]
+    fn specks_are_counted_beside_the_largest() {
+        let body = |volume| Body { volume, triangles: 4, place: Vec3::new(1.0, 2.0, 3.0) };
+        let all = [body(2.0), body(0.5), body(1e-4), body(1e-9)];
+        assert_eq!(specks(&all[..2], 0), "");
+        assert!(
+            specks(&all, 0)
+                .starts_with("bodies     2 below 0.1% of the volume of the largest, of up to 0.0001 (at 1, 2, 3)")
+        );
+        assert_eq!(specks(&all, 2), "bodies     2 smaller ones were dropped\n");
+    }
 }

@@ -127,7 +127,11 @@ impl SceneArguments {
         let path = Path::new(input);
         let ends = |ends: &[&str]| path.extension().is_some_and(|end| ends.iter().any(|e| end.eq_ignore_ascii_case(e)));
         let (is_file, is_picture) = (ends(&["toml"]), ends(&["png", "exr"]));
-        let is_example = !path.exists() && scene::names().any(|name| name == input);
+        // As for built-in objects, the name wins: `./fire_ball` is a file or a folder.
+        let is_example = scene::names().any(|name| name == input);
+        if is_example && path.is_file() {
+            log::warn!("`{input}` is the example scene; `./{input}` is the file");
+        }
         let reach = reach(self.outside);
         let load = || -> Result<Scene, Box<dyn Error>> {
             Ok(match (is_picture, is_example) {
@@ -256,7 +260,8 @@ impl SceneArguments {
 
 /// Files that a command reads: the input and those of the scene.
 pub(super) fn files_read(input: &str, scene: &Scene) -> Vec<PathBuf> {
-    scene.files().map(|(_, file)| file).chain([input]).map(PathBuf::from).collect()
+    let is_name = scene::names().any(|name| name == input);
+    scene.files().map(|(_, file)| file).chain((!is_name).then_some(input)).map(PathBuf::from).collect()
 }
 
 /// Example scene with a similar name.

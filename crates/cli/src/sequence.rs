@@ -169,6 +169,7 @@ impl Motion {
             sheet.write(&frames, sequence.fps, scene.animation.period, output)?;
         } else if let Some(format) = self.animated(output) {
             format.write(&frames, sequence.fps, output)?;
+            format.note(sequence.fps).into_iter().for_each(|note| ::log::warn!("{}: {note}", output.display()));
         }
         Ok(self.joined(output))
     }

@@ -4,10 +4,15 @@ const TURN = 0.4, KEY_TURN = 5, ZOOM = 1.1, ZOOMS = [0.1, 30], LONGEST = 60;
 const SAMPLES = [4, 1024], NUMBERS = ['azimuth', 'elevation', 'zoom', 'samples', 'time'];
 const within = (value, [low, high]) => Math.max(low, Math.min(high, value));
 
+// Digits of a number in an address, whose changes are too small to see.
+const DIGITS = 4;
+
 // The part of an address that says how a state differs from the first one.
 export function toHash(state, first) {
   const entries = (own) => [...NUMBERS.map((name) => [name, own[name]]), ...own.parameters], before = new Map(entries(first));
-  return new URLSearchParams(entries(state).filter(([name, value]) => value !== before.get(name))).toString();
+  const rounded = (value) => (typeof value === 'number' ? String(Number(value.toPrecision(DIGITS))) : value);
+  const changed = entries(state).filter(([name, value]) => value !== before.get(name));
+  return new URLSearchParams(changed.map(([name, value]) => [name, rounded(value)])).toString();
 }
 
 // Sets a state to that of an address; what no control takes stays.
@@ -24,7 +29,7 @@ export function addControls({ scene, state, start, canvas, form, changed }) {
   const inputs = [];
   const add = (label, help, input, read, write, told = read) => {
     const row = document.createElement('label'), text = document.createElement('span'), output = document.createElement('output');
-    text.textContent = label;
+    text.textContent = label.replaceAll('_', ' ');
     row.title = help;
     row.append(text, input, output);
     form.append(row);

@@ -22,14 +22,20 @@ fn encode(c: vec3f) -> vec3f {
 const FEATURES = ['texture-formats-tier1', 'float32-filterable'];
 const MEAN = 'rgba16float', SEGMENTS = 'rgba32float';
 
-export async function openDevice(lost) {
+// Opens the device; failed: called with each later error of it.
+export async function openDevice(failed) {
   if (!navigator.gpu) throw new Error('This browser has no WebGPU, or not for this page.');
   const adapter = await navigator.gpu.requestAdapter({ powerPreference: 'high-performance' });
   if (!adapter) throw new Error('This browser found no device for WebGPU.');
   const requiredFeatures = FEATURES.filter((name) => adapter.features.has(name));
   const { maxBufferSize } = adapter.limits;
   const device = await adapter.requestDevice({ requiredFeatures, requiredLimits: { maxBufferSize } });
-  device.lost.then(({ reason, message }) => reason !== 'destroyed' && lost(message));
+  device.lost.then(({ reason, message }) => {
+    if (reason === 'destroyed') return;
+    console.error(message);
+    failed(new Error('This browser lost its graphics device; load the page again.'));
+  });
+  device.addEventListener('uncapturederror', ({ error }) => failed(error));
   return device;
 }
 

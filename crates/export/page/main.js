@@ -17,9 +17,27 @@ async function bytesOf(file) {
   return new Uint8Array(await response.arrayBuffer());
 }
 
+let isStopped = false;
+const say = (text) => { if (!isStopped) element('status').textContent = text; };
+
+// Shows the still picture again, and says why; the first reason counts.
+function stop(error) {
+  console.error(error);
+  if (isStopped) return;
+  document.body.classList.remove('live');
+  element('picture').setAttribute('aria-busy', 'false');
+  element('picture').tabIndex = -1;
+  element('controls').inert = true;
+  // Errors of the browser itself are in its own words.
+  const reason = error.constructor === Error ? error.message : 'The graphics device of this browser stopped drawing; load the page again to try once more.';
+  say(`${reason} The picture stays still.`);
+  isStopped = true;
+}
+
 async function run() {
-  const canvas = element('picture'), say = (text) => { element('status').textContent = text; };
-  const device = await openDevice((reason) => say(`The device was lost: ${reason}. Load the page again.`));
+  const canvas = element('picture');
+  canvas.setAttribute('aria-busy', 'true');
+  const device = await openDevice(stop);
   say('Loading');
   const text = async (file) => new TextDecoder().decode(await bytesOf(file));
   const scene = JSON.parse(await text('scene.json'));
@@ -30,7 +48,7 @@ async function run() {
   const start = () => initial(scene), state = { ...start(), playing: false };
   fromHash(state, location.hash.slice(1), scene);
   let version = 0, moved = -Infinity, wake = () => {}, divisor = 2;
-  const changed = () => { version++; moved = performance.now(); canvas.setAttribute('aria-busy', 'true'); wake(); };
+  const changed = () => { if (isStopped) return; version++; moved = performance.now(); canvas.setAttribute('aria-busy', 'true'); wake(); };
   const fit = () => {
     const { width, height } = canvas.getBoundingClientRect(), ratio = window.devicePixelRatio;
     const less = Math.min(1, Math.sqrt(MOST_PIXELS / Math.max(1, width * height * ratio * ratio)));
@@ -57,6 +75,7 @@ async function run() {
   }
 
   const present = () => {
+    if (isStopped) return;
     renderer.show();
     document.body.classList.add('live');
     say('');
@@ -88,6 +107,7 @@ async function run() {
   fit();
   for (let done = -1, last = performance.now(), isFirst = true; ; isFirst = false) {
     const now = await new Promise(requestAnimationFrame);
+    if (isStopped) return;
     if (state.playing) {
       state.time += Math.min(0.1, (now - last) / 1000);
       if (state.time > scene.motion?.seconds[1]) [state.time] = scene.motion.seconds;
@@ -112,4 +132,4 @@ async function run() {
   }
 }
 
-run().catch((error) => { element('status').textContent = `${error.message} The picture stays still.`; });
+run().catch(stop);

@@ -67,7 +67,7 @@ pub fn page(portable: &Portable, page: &Page<'_>) -> Result<Vec<File>, ExportErr
         .replace("{style}", &style)
         .replace("{scripts}", &scripts)
         .replace("{picture}", &picture)
-        .replace("{title}", &escape(page.title))
+        .replace("{title}", &escape(&page.title.replace('_', " ")))
         .replace("{about}", &escape(&scene.about))
         .replace("{command}", &escape(page.command))
         .replace("{aspect}", &(f64::from(width) / f64::from(height)).to_string())

@@ -16,6 +16,12 @@ const MAX_SIDE: u32 = 16_384;
 const MAX_WEBP: u32 = 16_383;
 /// Speed of the choice of 256 colors. Higher: visible steps in gradients. Lower: slow.
 const GIF_SPEED: i32 = 10;
+/// Shortest frame of a GIF, hundredths of a second: browsers show shorter ones for a tenth.
+const GIF_SHORTEST: u32 = 2;
+/// Most frames a second of WebP and APNG that browsers show at that rate: frames of 10 ms and less take a tenth of a second.
+const FASTEST: f64 = 90.0;
+/// Most frames a second of a GIF.
+const GIF_FPS: f64 = 100.0 / GIF_SHORTEST as f64;
 /// Error of a picture without frames.
 const EMPTY: &str = "there are no frames";
 
@@ -43,7 +49,21 @@ impl Animated {
         }
     }
 
-    /// Writes an animated picture of the frames in PNG files, which repeats without end.
+    /// What viewers show of this many frames a second, if it is less, as a line.
+    pub fn note(self, fps: f64) -> Option<String> {
+        match self {
+            Animated::Gif if fps > GIF_FPS => Some(format!(
+                "a GIF shows at most {GIF_FPS} frames a second: of {fps}, the nearest to each 20 ms are written"
+            )),
+            Animated::WebP | Animated::Apng if fps > FASTEST => Some(format!(
+                "browsers show frames of 10 ms or less for 100 ms: --fps {fps} plays slower there; {FASTEST} is fine"
+            )),
+            _ => None,
+        }
+    }
+
+    /// Writes an animated picture of the frames in PNG files, which repeats without end. A GIF leaves out the frames beyond 50 a
+    /// second.
     ///
     /// # Errors
     /// A frame cannot be read, or the file cannot be written.
@@ -191,14 +211,24 @@ fn webp(frames: &[PathBuf], fps: f64) -> Encoded {
     Ok(chunk(b"RIFF", &body))
 }
 
+/// Frames of a GIF and their durations in hundredths of a second: the nearest frame to each tick where there are more frames.
+fn gif_frames(count: usize, fps: f64) -> Vec<(usize, u32)> {
+    if fps <= GIF_FPS {
+        return (0..count).zip(durations(10.0 * fps)).collect();
+    }
+    let ticks = (count as f64 * GIF_FPS / fps).round().max(1.0) as usize;
+    let nearest = |tick: usize| (tick as f64 * fps / GIF_FPS).round() as usize;
+    (0..ticks).map(|tick| (nearest(tick).min(count.saturating_sub(1)), GIF_SHORTEST)).collect()
+}
+
 fn gif(frames: &[PathBuf], fps: f64) -> Encoded {
     let side = |side: u32| u16::try_from(side).unwrap_or(u16::MAX);
     let (width, height) = image::image_dimensions(frames.first().ok_or(EMPTY)?)?;
     let mut bytes = Vec::new();
     let mut encoder = gif::Encoder::new(&mut bytes, side(width), side(height), &[])?;
     encoder.set_repeat(gif::Repeat::Infinite)?;
-    for (file, hundredths) in frames.iter().zip(durations(10.0 * fps)) {
-        let mut frame = read(file)?;
+    for (index, hundredths) in gif_frames(frames.len(), fps) {
+        let mut frame = read(&frames[index])?;
         let (width, height) = frame.dimensions();
         let mut picture = gif::Frame::from_rgba_speed(side(width), side(height), &mut frame, GIF_SPEED);
         picture.delay = u16::try_from(hundredths).unwrap_or(u16::MAX);

@@ -73,6 +73,28 @@ fn a_gif_has_its_few_colors_and_repeats() {
 }
 
 #[test]
+fn a_gif_has_no_frame_below_20_ms_and_keeps_its_speed() {
+    for (count, fps) in [(60, 60.0), (7, 60.0), (500, 1000.0), (3, 1000.0), (100, 50.0), (90, 45.0), (240, 239.76)] {
+        let frames = gif_frames(count, fps);
+        assert!(
+            frames.iter().all(|(frame, hundredths)| *frame < count && *hundredths >= 2),
+            "{count} at {fps}: {frames:?}"
+        );
+        assert!(frames.windows(2).all(|pair| pair[0].0 < pair[1].0), "{count} at {fps}: {frames:?}");
+        let seconds = frames.iter().map(|(_, hundredths)| f64::from(*hundredths) / 100.0).sum::<f64>();
+        assert!((seconds - count as f64 / fps).abs() <= 0.02, "{count} at {fps}: {seconds} s");
+        // Each frame is shown at its time, to half a tick or half a frame.
+        let starts = frames.iter().scan(0, |at, (frame, own)| Some((*frame, std::mem::replace(at, *at + own))));
+        for (frame, hundredths) in starts {
+            let late = f64::from(hundredths) / 100.0 - frame as f64 / fps;
+            assert!(late.abs() <= 0.0101_f64.max(0.5 / fps), "{count} at {fps}: frame {frame} by {late}");
+        }
+    }
+    assert!(Animated::Gif.note(60.0).unwrap().contains("at most 50 frames a second"));
+    assert!([Animated::Gif, Animated::WebP, Animated::Apng].iter().all(|format| format.note(50.0).is_none()));
+}
+
+#[test]
 fn a_sheet_has_its_frames_where_its_json_says() {
     let folder = tempfile::tempdir().unwrap();
     let (frames, files) = frames(folder.path());

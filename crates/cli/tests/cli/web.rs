@@ -261,3 +261,98 @@ fn an_export_describes_the_bindings_of_its_programs_and_its_files() {
         assert_eq!(fs::metadata(file).unwrap().len(), image["bytes"].as_u64().unwrap(), "{image}");
     }
 }
+
+/// What a script prints that runs beside the modules of a page in Node; `None` without Node.
+fn node(page: &Path, script: &str) -> Option<String> {
+    fs::write(page.join("package.json"), "{\"type\": \"module\"}").unwrap();
+    fs::write(page.join("probe.mjs"), script).unwrap();
+    let Ok(output) = Command::new("node").arg("probe.mjs").current_dir(page).output() else {
+        eprintln!("skipped: no node");
+        return None;
+    };
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    Some(String::from_utf8(output.stdout).unwrap())
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_page_that_cannot_draw_shows_its_picture_and_says_so() {
+    let root = tempfile::tempdir().unwrap();
+    let made = run(root.path(), "web sphere --effect fire --size 32x32 --resolution 32 -o page");
+    assert!(made.status.success(), "{}", unexpected(&made));
+    let page = root.path().join("page");
+    let html = fs::read_to_string(page.join("index.html")).unwrap();
+    for part in [
+        "<link rel=\"icon\" href=\"data:,\">",
+        "<meta name=\"description\"",
+        "aria-busy=\"false\"",
+        "arrow keys to turn",
+    ] {
+        assert!(html.contains(part), "{part}");
+    }
+    // A document with what the page touches; `gpu` is the device of the browser.
+    let stage = |gpu: &str| {
+        format!(
+            "const elements = new Map(), classes = new Set(['live']);
+             const make = () => ({{ attributes: {{}}, setAttribute(name, value) {{ this.attributes[name] = value; }}, textContent: '' }});
+             globalThis.document = {{
+               getElementById: (id) => id.startsWith('file:') ? null : elements.get(id) ?? elements.set(id, make()).get(id),
+               body: {{ classList: {{ add: (name) => classes.add(name), remove: (name) => classes.delete(name) }} }},
+             }};
+             console.error = () => {{}};
+             globalThis.fetch = async () => {{ throw new TypeError('fetch failed: net::ERR_GPU_9'); }};
+             Object.defineProperty(globalThis, 'navigator', {{ value: {{ gpu: {gpu} }}, configurable: true }});
+             await import('./main.js');
+             await new Promise((done) => setTimeout(done, 50));
+             const canvas = document.getElementById('picture');
+             console.log([classes.has('live'), canvas.attributes['aria-busy'], document.getElementById('controls').inert].join());
+             console.log(document.getElementById('status').textContent);"
+        )
+    };
+    let device = |lost: &str| {
+        format!(
+            "{{ requestAdapter: async () => ({{ features: new Set(), limits: {{}}, requestDevice: async () => ({{
+               lost: {lost}, addEventListener() {{}} }}) }}) }}"
+        )
+    };
+    for (gpu, said) in [
+        ("undefined".to_string(), "This browser has no WebGPU, or not for this page. The picture stays still."),
+        (
+            "{ requestAdapter: async () => null }".into(),
+            "This browser found no device for WebGPU. The picture stays still.",
+        ),
+        (
+            device("Promise.resolve({ reason: 'unknown', message: 'A valid external Instance reference' })"),
+            "This browser lost its graphics device; load the page again. The picture stays still.",
+        ),
+        (
+            device("new Promise(() => {})"),
+            "The graphics device of this browser stopped drawing; load the page again to try once more. The picture stays still.",
+        ),
+    ] {
+        let Some(found) = node(&page, &stage(&gpu)) else { return };
+        assert_eq!(found, format!("false,false,true\n{said}\n"));
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn addresses_of_a_page_have_four_digits() {
+    let root = tempfile::tempdir().unwrap();
+    let made = run(root.path(), "web sphere --effect fire --size 32x32 --resolution 32 -o page");
+    assert!(made.status.success(), "{}", unexpected(&made));
+    let script = "import { toHash, fromHash } from './controls.js';
+        const first = { azimuth: 30, elevation: 20, zoom: 1, samples: 256, time: 0, parameters: new Map([['glow', 1.6], ['tip', '#ff0000']]) };
+        const state = { ...first, elevation: 15.600000000000005, zoom: 1.2214027581601699, samples: 1024,
+          parameters: new Map([['glow', 1.23456789], ['tip', '#00ff00']]) };
+        const text = toHash(state, first);
+        const again = { ...first, parameters: new Map(first.parameters) };
+        fromHash(again, text, { parameters: [{ name: 'glow', range: [0, 10] }, { name: 'tip' }] });
+        console.log(text);
+        console.log([again.elevation, again.zoom, again.samples, again.parameters.get('glow'), again.parameters.get('tip')].join());";
+    let Some(found) = node(&root.path().join("page"), script) else { return };
+    assert_eq!(
+        found,
+        "elevation=15.6&zoom=1.221&samples=1024&glow=1.235&tip=%2300ff00\n15.6,1.221,1024,1.235,#00ff00\n"
+    );
+}
