@@ -79,7 +79,7 @@ pub enum RenderError {
     Untried {
         /// The modules.
         modules: String,
-        /// What the evaluator lacks.
+        /// The part that the evaluator lacks.
         reason: Box<crate::eval::ExactError>,
     },
     /// The loops of a custom module exceed the limit of some devices.

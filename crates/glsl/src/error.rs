@@ -37,7 +37,7 @@ pub enum LibraryError {
         line: usize,
         /// The name in the declaration.
         name: String,
-        /// What is wrong, and what to do.
+        /// The fault and its remedy.
         reason: String,
     },
     /// The kind of a DMF contradicts its header.

@@ -49,7 +49,7 @@ impl Animated {
         }
     }
 
-    /// What viewers show of this many frames a second, if it is less, as a line.
+    /// Line about the frames that viewers show in a second, if they are fewer.
     pub fn note(self, fps: f64) -> Option<String> {
         match self {
             Animated::Gif if fps > GIF_FPS => Some(format!(

@@ -262,7 +262,7 @@ fn an_export_describes_the_bindings_of_its_programs_and_its_files() {
     }
 }
 
-/// What a script prints that runs beside the modules of a page in Node; `None` without Node.
+/// Output of a script that runs beside the modules of a page in Node; `None` without Node.
 fn node(page: &Path, script: &str) -> Option<String> {
     fs::write(page.join("package.json"), "{\"type\": \"module\"}").unwrap();
     fs::write(page.join("probe.mjs"), script).unwrap();

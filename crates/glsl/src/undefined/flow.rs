@@ -40,7 +40,7 @@ pub(super) struct Flow<'m, 'a> {
     pub(super) globals: BTreeMap<u32, bool>,
     origins: Vec<Origin>,
     calls: HashMap<Call, Rc<Exit>>,
-    /// What was found: file, line and text.
+    /// Findings: file, line and text.
     pub(super) found: BTreeSet<(String, u32, String)>,
     /// Arrays that are taken to be filled: file, line and name.
     pub(super) filled: BTreeSet<(String, u32, String)>,

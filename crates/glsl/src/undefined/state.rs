@@ -1,4 +1,4 @@
-//! What is known of variables at a place of a function: the parts without a value, and scalars.
+//! State of variables at a place of a function: the parts without a value, and scalars.
 
 use super::scalar::Scalar;
 use std::collections::BTreeMap;

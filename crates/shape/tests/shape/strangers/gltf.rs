@@ -60,7 +60,7 @@ fn matrices_and_rotations_may_be_rounded() {
 }
 
 #[test]
-fn optional_compression_is_passed_over_where_there_are_plain_data() {
+fn optional_compression_is_passed_over_beside_plain_data() {
     let draco = |all: &mut Value| {
         all["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
         all["meshes"][0]["primitives"][0]["extensions"] =
@@ -193,7 +193,7 @@ fn specular_glossiness_has_a_color() {
 }
 
 #[test]
-fn buffers_and_pictures_of_other_machines_are_found_beside_the_file() {
+fn data_of_other_machines_are_found_beside_the_file() {
     let mut all = document();
     let uri = all["buffers"][0]["uri"].as_str().unwrap().rsplit(',').next().unwrap().to_string();
     let bytes = STANDARD.decode(uri).unwrap();
