@@ -30,6 +30,7 @@ mod memory;
 mod messages;
 mod physical;
 mod pipeline;
+mod process;
 mod sampler;
 mod submit;
 #[cfg(feature = "window")]
@@ -56,6 +57,7 @@ pub use image::{Dimension, Image, ImageUse, Uploads};
 pub use messages::Messages;
 pub use physical::{DeviceInfo, optional_features, required_features};
 pub use pipeline::{Blend, Marks, Pipeline, PipelineDescription};
+pub use process::exit_at_once;
 pub use sampler::{Address, Sampler};
 pub use submit::Submitted;
 

@@ -3,6 +3,7 @@
 use super::picture::Picture;
 use super::{absolute, with_progress};
 use clap::Args;
+use hypertexture::gpu::exit_at_once;
 use hypertexture::output::sequence::{Frames, Manifest, Sequence, frame_path, manifest_path};
 use hypertexture::output::shard::{Shard, ShardError};
 use hypertexture::output::{Animated, Provenance, Sheet, identity, write};
@@ -285,7 +286,7 @@ pub fn stop_flag() -> Result<Arc<AtomicBool>, Box<dyn Error>> {
     let flag = stop.clone();
     ctrlc::set_handler(move || {
         if flag.swap(true, Ordering::Relaxed) {
-            std::process::exit(i32::from(super::INTERRUPTED));
+            exit_at_once(super::INTERRUPTED);
         }
     })
     .map_err(|error| format!("no handler for Ctrl-C: {error}"))?;

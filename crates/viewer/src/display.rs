@@ -2,13 +2,12 @@
 
 use super::ViewError;
 use super::unsaved::Latest;
-use hypertexture::gpu::{has_keyboard_data, has_library, on_broken_display};
+use hypertexture::gpu::{exit_at_once, has_keyboard_data, has_library, on_broken_display};
 use raw_window_handle::{HasWindowHandle, RawWindowHandle};
 use std::env;
 use std::os::unix::net::UnixStream;
 use std::panic::{self, PanicHookInfo};
 use std::path::{Path, PathBuf};
-use std::process;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use winit::event_loop::{ActiveEventLoop, EventLoopBuilder};
@@ -195,7 +194,7 @@ impl Guard {
                 None => ViewError::Ended(self.display.name(), kept),
             }
         );
-        process::exit(NO_WINDOW.into());
+        exit_at_once(NO_WINDOW);
     }
 }
 

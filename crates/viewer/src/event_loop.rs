@@ -10,7 +10,7 @@ use super::script::{Script, widgets};
 use super::unsaved::Latest;
 use super::window_state::{WindowState, perform};
 use egui::{Event, FullOutput, ViewportCommand, ViewportId};
-use hypertexture::gpu::{GpuError, Messages, Presented};
+use hypertexture::gpu::{GpuError, Messages, Presented, exit_at_once};
 use std::io::{self, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -30,7 +30,7 @@ const HIDDEN_PACE: Duration = Duration::from_millis(250);
 const DEPTHS: [u8; 2] = [24, 32];
 
 /// Exit code after a second signal, as in shells after Ctrl-C.
-const INTERRUPTED: i32 = 130;
+const INTERRUPTED: u8 = 130;
 
 /// A message to the event loop from another thread.
 enum Message {
@@ -80,7 +80,7 @@ pub fn run(start: Start) -> Result<(), ViewError> {
     let (told, wake) = (interrupted.clone(), notify.clone());
     // The first signal stores unsaved work and exits; the second one exits at once.
     let handled = ctrlc::set_handler(move || match told.swap(true, Ordering::Relaxed) {
-        true => std::process::exit(INTERRUPTED),
+        true => exit_at_once(INTERRUPTED),
         false => wake(),
     });
     if let Err(error) = handled {
