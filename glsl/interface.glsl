@@ -33,7 +33,7 @@ layout(set = 0, binding = 0) uniform View {
     float turbulence_cycle; // octaves after which that begins anew, a power of two
     float random_mean;      // mean of |noise| of the block of random texels
     mat4 shadow_matrix;     // eye space to that of the light: the light at the origin, the scene along +z
-    float shadow_rim;       // angle from the axis of the light that the shadow volume covers
+    float shadow_rim;       // 4 sin(a / 4) of the greatest angle a from the axis of the light, see light_space.glsl
     float shadow_near;      // distances from the light between which the scene is
     float shadow_far;
     float shadow_side;      // texels along a side of the shadow volume

@@ -117,7 +117,8 @@ bool gone(vec3 x, vec3 along) {
     return any(greaterThan(side * along, vec3(0.0)));
 }
 
-// How much a direction differs most from those of the pixels beside it, in a quad.
+// How much a direction differs most from those of the pixels beside it, in a quad. A device may take one difference for all
+// of a quad unless fine ones are asked for.
 #ifdef COMPUTE
 shared vec3 directions[64];
 float spread_of(vec3 along) {
@@ -128,7 +129,7 @@ float spread_of(vec3 along) {
     return max(length(across), length(down));
 }
 #else
-float spread_of(vec3 along) { return max(length(dFdx(along)), length(dFdy(along))); }
+float spread_of(vec3 along) { return max(length(dFdxFine(along)), length(dFdyFine(along))); }
 #endif
 
 void trace() {

@@ -8,6 +8,7 @@
 #include "sample.glsl"
 #include "distance_bound.glsl"
 #include <dmf>
+#include <filter>
 #include <opacity>            // of the entries of the table: opacity_table.frag
 #include "exponential.glsl"
 
@@ -27,7 +28,7 @@ vec4 classify(vec3 x, float path) {
     if (!follows) near_density = end_density(sample_object(x + half_segment));
     far_density = end_density(far);
     vec2 ends = vec2(near_density, far_density);
-    vec4 matter = textureLod(segment_map, (ends * (size - 1.0) + 0.5) / size, 0.0);
+    vec4 matter = lookup_plane(segment_map, (ends * (size - 1.0) + 0.5) / size);
     if (matter.a <= 0.0) return vec4(0.0);
     float alpha = matter.a >= 1.0 ? 1.0 : -exp_minus_one(path / step_size * log_one_minus(matter.a));
     groomed(matter.rgb = matter.a * groom_color(matter.rgb / matter.a, far.root);)

@@ -1,9 +1,9 @@
-// Lookups between texels by the shader: eight for each, with weights of 32 bits.
+// Lookups between texels by the shader: eight in a volume or block, with weights of 32 bits.
 // Source: ours. Most GPUs filter by weights of 8 bits: a distance is off by up to a 512th of a texel, and what is steep in
 // a lookup, such as veins or hairs, by much more.
 // lookup_volume: clamps; lookup_block: goes on as its sampler says, and its sides are powers of two, so that the center of a
-// texel is a number of f32, where no neighbor has any weight. p: 1 across the image; level: from 0, between two levels
-// both are read. Results: a filtered texel.
+// texel is a number of f32, where no neighbor has any weight; lookup_line and lookup_plane: of tables, which clamp, by two
+// and four lookups. p: 1 across the image; level: from 0, between two levels both are read. Results: a filtered texel.
 vec3 texel_below(vec3 p, vec3 size) { return floor(p * size - 0.5); }
 vec3 texel_weight(vec3 p, vec3 size) { return p * size - 0.5 - texel_below(p, size); }
 
@@ -29,3 +29,16 @@ vec4 blend_texels(vec3 w, vec4 a, vec4 b, vec4 c, vec4 d, vec4 e, vec4 f, vec4 g
     ((level) <= 0.0 ? lookup_level(image, p, 0.0)                                                                      \
                     : mix(lookup_level(image, p, floor(level)), lookup_level(image, p, floor(level) + 1.0),            \
                           fract(level)))
+
+vec4 blend_four(vec2 w, vec4 a, vec4 b, vec4 c, vec4 d) { return mix(mix(a, b, w.x), mix(c, d, w.x), w.y); }
+#define line_place(image, p) ((p) * float(textureSize(image, 0)) - 0.5)
+#define line_texel(image, p, step)                                                                                     \
+    texelFetch(image, clamp(int(floor(line_place(image, p))) + step, 0, textureSize(image, 0) - 1), 0)
+#define lookup_line(image, p)                                                                                          \
+    mix(line_texel(image, p, 0), line_texel(image, p, 1), line_place(image, p) - floor(line_place(image, p)))
+#define plane_place(image, p) ((p) * vec2(textureSize(image, 0)) - 0.5)
+#define plane_texel(image, p, step)                                                                                    \
+    texelFetch(image, clamp(ivec2(floor(plane_place(image, p))) + step, ivec2(0), textureSize(image, 0) - 1), 0)
+#define lookup_plane(image, p)                                                                                         \
+    blend_four(plane_place(image, p) - floor(plane_place(image, p)), plane_texel(image, p, ivec2(0, 0)),               \
+               plane_texel(image, p, ivec2(1, 0)), plane_texel(image, p, ivec2(0, 1)), plane_texel(image, p, ivec2(1, 1)))

@@ -142,8 +142,16 @@ impl Gpu {
 
     /// Takes a device that was just opened for a GPU.
     #[cfg(test)]
-    pub(crate) fn taken_for_a_gpu(mut self) -> Gpu {
-        std::sync::Arc::get_mut(&mut self.0).into_iter().for_each(|shared| shared.info.cpu = false);
+    pub(crate) fn taken_for_a_gpu(self) -> Gpu {
+        self.with_info(|info| info.cpu = false)
+    }
+
+    /// Takes a device that was just opened for one with other properties.
+    #[cfg(test)]
+    pub(crate) fn with_info(mut self, change: impl FnOnce(&mut DeviceInfo)) -> Gpu {
+        if let Some(shared) = Arc::get_mut(&mut self.0) {
+            change(&mut shared.info);
+        }
         self
     }
 
@@ -251,7 +259,12 @@ impl Gpu {
 
     /// Whether images of this format support linear filtering.
     pub fn can_filter(&self, format: Format) -> bool {
-        self.features(format).contains(vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR)
+        !self.0.info.unfiltered.contains(&format)
+    }
+
+    /// The format in which the texels of a sampled image are stored.
+    pub(super) fn stored(&self, format: Format) -> Format {
+        format.widened().filter(|_| self.0.info.unread.contains(&format)).unwrap_or(format)
     }
 
     fn features(&self, format: Format) -> vk::FormatFeatureFlags {

@@ -34,6 +34,33 @@ impl Format {
     /// Formats of images that compute shaders write.
     pub(super) const STORED: [Format; 3] = [Format::R32Float, Format::Rgba8Unorm, Format::Rgba32Float];
 
+    /// Formats that shaders may filter linearly.
+    pub const SAMPLED: [Format; 7] = [
+        Format::R8Unorm,
+        Format::R16Unorm,
+        Format::R32Float,
+        Format::Rgba8Unorm,
+        Format::Rgba16Unorm,
+        Format::Rgba16Float,
+        Format::Rgba32Float,
+    ];
+
+    /// The format of floats that holds the texels of one of 16-bit codes, which devices need not support.
+    pub(super) fn widened(self) -> Option<Format> {
+        match self {
+            Format::R16Unorm => Some(Format::R32Float),
+            Format::Rgba16Unorm => Some(Format::Rgba32Float),
+            _ => None,
+        }
+    }
+
+    /// Texels in the widened format.
+    pub(super) fn widen(self, texels: &[u8]) -> Vec<u8> {
+        let channels = self.channels() as usize;
+        let floats = self.decode(texels).into_iter().flat_map(|texel| texel.into_iter().take(channels));
+        floats.flat_map(f32::to_ne_bytes).collect()
+    }
+
     /// Bytes of one texel.
     pub fn bytes(self) -> u64 {
         match self {

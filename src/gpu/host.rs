@@ -40,14 +40,11 @@ impl Gpu {
     /// - nobody else uses the queue during a call of this crate that submits: any that takes a `Gpu` or belongs to a renderer.
     ///   Recording for a host submits only for the shadow volume of a scene.
     pub unsafe fn from_raw(host: HostDevice, cache: Option<&Path>) -> Result<Gpu, GpuError> {
-        let mut info = device_info(&host.instance, host.physical_device, &host.features);
+        let info = device_info(&host.instance, host.physical_device, &host.features);
         // SAFETY: the physical device belongs to the instance, as the caller says.
         let families = unsafe { host.instance.get_physical_device_queue_family_properties(host.physical_device) };
         let family = families.get(host.queue_family as usize).copied().unwrap_or_default();
-        if family.timestamp_valid_bits == 0 {
-            info.timestamp_period = 0.0;
-        }
-        info.computes &= family.queue_flags.contains(vk::QueueFlags::COMPUTE);
+        let info = info.with_queue(&family);
         let instance = Instance::of_host(host.entry, host.instance);
         let device = Device { raw: host.device, hosted: true };
         let HostDevice { physical_device: physical, queue, queue_family: family, .. } = host;

@@ -87,10 +87,11 @@ impl Image {
         use vk::{ImageType as Type, ImageViewType as View};
         let info = gpu.info();
         let (kind, view_kind, limit) = match dimension {
-            Dimension::Line(_) => (Type::TYPE_1D, View::TYPE_1D, info.max_image),
+            Dimension::Line(_) => (Type::TYPE_1D, View::TYPE_1D, info.max_line),
             Dimension::Plane(..) => (Type::TYPE_2D, View::TYPE_2D, info.max_image),
             Dimension::Volume(..) => (Type::TYPE_3D, View::TYPE_3D, info.max_volume),
         };
+        let format = if purpose == ImageUse::Sampled { gpu.stored(format) } else { format };
         let size = dimension.size();
         Image::check(gpu, name, size, limit)?;
         let extent = vk::Extent3D { width: size[0], height: size[1], depth: size[2] };
@@ -180,6 +181,9 @@ impl Image {
         format: Format,
         texels: &[u8],
     ) -> Result<(Image, Buffer), GpuError> {
+        let stored = gpu.stored(format);
+        let wide = (stored != format).then(|| format.widen(texels));
+        let (format, texels) = (stored, wide.as_deref().unwrap_or(texels));
         let count = texels.len() as u64 / format.bytes();
         let image = Image::with_texels(gpu, name, dimension, format, ImageUse::Sampled, count)?;
         let bytes = image.levels.iter().map(|level| image.level_bytes(*level)).sum::<u64>();

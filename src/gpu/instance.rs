@@ -41,9 +41,7 @@ impl Instance {
             !validation || hypertexture_support::validation_lock::ValidationLock::is_held(),
             "a test with validation begins with ValidationLock::acquire()"
         );
-        check_address_space()?;
-        // SAFETY: the Vulkan library of the system has no requirements for loading.
-        let entry = unsafe { ash::Entry::load() }.map_err(|error| GpuError::NoLoader(error.to_string()))?;
+        let entry = Instance::loader()?;
         let messages = Messages::default();
         let raw = create_instance(&entry, validation, extensions, &messages)?;
         let mut instance = Instance {
@@ -59,6 +57,13 @@ impl Instance {
             instance.messenger = Some(Messenger::new(&instance.entry, &instance.raw, &instance.messages)?);
         }
         Ok(instance)
+    }
+
+    /// The Vulkan library of the system.
+    pub(super) fn loader() -> Result<ash::Entry, GpuError> {
+        check_address_space()?;
+        // SAFETY: the library has no requirements for loading.
+        unsafe { ash::Entry::load() }.map_err(|error| GpuError::NoLoader(error.to_string()))
     }
 
     /// Wraps the instance of a host, which has its own messages.
@@ -93,6 +98,14 @@ impl Drop for Instance {
 
 const LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
+/// Whether the loader hides devices that are not quite Vulkan, such as MoltenVK, unless it is asked for them.
+fn hides_devices(entry: &ash::Entry) -> Result<bool, GpuError> {
+    // SAFETY: the loader is alive.
+    let extensions = unsafe { entry.enumerate_instance_extension_properties(None) }
+        .named("vkEnumerateInstanceExtensionProperties")?;
+    Ok(extensions.iter().any(|of| of.extension_name_as_c_str() == Ok(ash::khr::portability_enumeration::NAME)))
+}
+
 /// Whether the layer has settings. Such versions check accesses by shaders only on demand (`docs/notes/drivers.md`).
 fn layer_has_settings(entry: &ash::Entry) -> Result<bool, GpuError> {
     // SAFETY: the loader is alive and the layer exists.
@@ -121,6 +134,10 @@ fn create_instance(
     let mut messenger = create_info(messages);
     let layers = [LAYER.as_ptr()];
     let mut extensions = extensions.to_vec();
+    if hides_devices(entry)? {
+        extensions.push(ash::khr::portability_enumeration::NAME.as_ptr());
+        info = info.flags(vk::InstanceCreateFlags::ENUMERATE_PORTABILITY_KHR);
+    }
     if validation {
         // SAFETY: the loader is alive.
         let present =

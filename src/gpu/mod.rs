@@ -17,6 +17,7 @@ mod buffer;
 #[cfg(feature = "window")]
 mod canvas;
 mod commands;
+mod covered;
 mod device;
 #[cfg(feature = "window")]
 mod encoder;

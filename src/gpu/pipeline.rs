@@ -1,6 +1,7 @@
 //! Pipelines, with layouts of the bindings that their programs use.
 
 use super::bind_set::{BindSet, Binding, BindingKind, Resource, layout_binding};
+use super::covered::covered;
 use super::{Format, Gpu, GpuError, Named};
 use ash::vk;
 
@@ -66,7 +67,8 @@ impl Pipeline {
         check(gpu, description)?;
         let mut pipeline = Pipeline::with_layout(gpu, description.bindings, &[])?;
         let vertex = Module::new(gpu, description.vertex)?;
-        let fragment = Module::new(gpu, description.fragment)?;
+        let within = if gpu.info().cpu { covered(description.fragment) } else { None };
+        let fragment = Module::new(gpu, within.as_deref().unwrap_or(description.fragment))?;
         let (entries, values): (Vec<_>, Vec<u8>) = specialization(description.constants);
         let constants = vk::SpecializationInfo::default().map_entries(&entries).data(&values);
         let flags = [vk::ShaderStageFlags::VERTEX, vk::ShaderStageFlags::FRAGMENT];
@@ -110,6 +112,7 @@ impl Pipeline {
             bindings: bindings.to_vec(),
         };
         let is_compute = !ranges.is_empty();
+        check_count(gpu, &pipeline.bindings)?;
         let bindings: Vec<_> = bindings.iter().map(|binding| layout_binding(binding, is_compute)).collect();
         let set_info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
         // SAFETY: the device is alive, and every pointer outlives its call; each handle is owned as soon as it exists.
@@ -167,6 +170,26 @@ fn specialization(constants: &[(u32, u32)]) -> (Vec<vk::SpecializationMapEntry>,
     };
     let values = constants.iter().flat_map(|(_, value)| value.to_ne_bytes());
     (constants.iter().enumerate().map(entry).collect(), values.collect())
+}
+
+/// Checks the number of images and samplers of the fragment or compute stage, which reads nearly all.
+fn check_count(gpu: &Gpu, bindings: &[Binding]) -> Result<(), GpuError> {
+    let info = gpu.info();
+    let count = |kind: BindingKind| bindings.iter().filter(|own| own.kind == kind).count() as u32;
+    let kinds = [
+        (BindingKind::Image, "images", info.max_sampled_images),
+        (BindingKind::Sampler, "samplers", info.max_samplers),
+    ];
+    match kinds.into_iter().find(|(kind, _, most)| count(*kind) > *most) {
+        None => Ok(()),
+        Some((kind, name, most)) => Err(GpuError::Unsupported {
+            device: info.name.clone(),
+            what: format!("{} {name} in one program", count(kind)),
+            remedy: format!(
+                "it has {most}; use fewer objects, formulas in place of volumes, light.shadows = false, or no groom"
+            ),
+        }),
+    }
 }
 
 fn check(gpu: &Gpu, description: &PipelineDescription<'_>) -> Result<(), GpuError> {

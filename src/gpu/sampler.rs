@@ -14,7 +14,7 @@ pub enum Address {
     Mirror,
 }
 
-/// A sampler with linear filtering.
+/// A sampler with linear filtering, or of the nearest texel.
 pub struct Sampler {
     gpu: Gpu,
     pub(super) handle: vk::Sampler,
@@ -34,15 +34,33 @@ impl Sampler {
                 remedy: format!("use quality.anisotropy = 1 to {}", info.max_anisotropy),
             });
         }
+        Sampler::of(gpu, address, anisotropy, vk::Filter::LINEAR, vk::SamplerMipmapMode::LINEAR)
+    }
+
+    /// Creates a sampler of the nearest texel, which every format supports.
+    ///
+    /// # Errors
+    /// Memory is exhausted.
+    pub fn nearest(gpu: &Gpu, address: Address) -> Result<Sampler, GpuError> {
+        Sampler::of(gpu, address, 1.0, vk::Filter::NEAREST, vk::SamplerMipmapMode::NEAREST)
+    }
+
+    fn of(
+        gpu: &Gpu,
+        address: Address,
+        anisotropy: f32,
+        filter: vk::Filter,
+        levels: vk::SamplerMipmapMode,
+    ) -> Result<Sampler, GpuError> {
         let mode = match address {
             Address::Clamp => vk::SamplerAddressMode::CLAMP_TO_EDGE,
             Address::Repeat => vk::SamplerAddressMode::REPEAT,
             Address::Mirror => vk::SamplerAddressMode::MIRRORED_REPEAT,
         };
         let info = vk::SamplerCreateInfo::default()
-            .mag_filter(vk::Filter::LINEAR)
-            .min_filter(vk::Filter::LINEAR)
-            .mipmap_mode(vk::SamplerMipmapMode::LINEAR)
+            .mag_filter(filter)
+            .min_filter(filter)
+            .mipmap_mode(levels)
             .max_lod(vk::LOD_CLAMP_NONE)
             .address_mode_u(mode)
             .address_mode_v(mode)

@@ -3,12 +3,16 @@
 use super::{Commands, Gpu, GpuError, Named};
 use ash::vk;
 use hypertexture_support::watchdog::Watchdog;
+use hypertexture_support::{ending, faults};
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 /// Timeout of a submission. Lower: slow devices fail on large images. Higher: a hang goes unnoticed; desktops reset the
 /// device after two seconds anyway.
 const TIMEOUT_SECONDS: u64 = 60;
+
+/// Interval at which a wait looks for the end of the program.
+const SLICE: Duration = Duration::from_millis(100);
 
 /// Cost of a submission.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -63,7 +67,7 @@ impl Gpu {
             let submits = [vk::SubmitInfo2::default().command_buffer_infos(&buffers)];
             device.queue_submit2(*queue, &submits, job.fence).named("vkQueueSubmit2")?;
             let waited = self.wait_for(job.fence, what);
-            if waited.as_ref().is_err_and(|error| !error.is_lost()) {
+            if waited.as_ref().is_err_and(|error| !error.is_lost() || error.is_timeout()) {
                 self.give_up();
             }
             waited?;
@@ -84,29 +88,31 @@ impl Gpu {
         let mut ticks = [0u64; 2];
         // SAFETY: both queries were written by the finished submission.
         unsafe { device.get_query_pool_results(job.queries, 0, &mut ticks, flags) }.named("vkGetQueryPoolResults")?;
-        let gpu_ms = ticks[1].saturating_sub(ticks[0]) as f64 * f64::from(self.0.info.timestamp_period) * 1e-6;
+        let gpu_ms = self.0.info.milliseconds(ticks);
         Ok(Submitted { gpu_ms, wall_ms, fragments })
     }
 
     /// Waits for a fence for a minute. After it, a driver on the CPU has until it has used another one of processor time,
-    /// or none for three: a loaded machine is slow without a hang.
+    /// or none for three: a loaded machine is slow without a hang. After a signal that ends the program, the wait is short.
     pub(super) fn wait_for(&self, fence: vk::Fence, what: &str) -> Result<(), GpuError> {
         self.0.waits.fetch_add(1, Ordering::Relaxed);
         let (limit, start) = (Duration::from_secs(TIMEOUT_SECONDS), Instant::now());
-        let (mut watch, mut patience) = (None, limit);
+        let (mut watch, patience) = (None, if faults::are_on() { limit } else { SLICE });
         loop {
             let is_awaited = || self.info().cpu && start.elapsed() >= limit;
             // SAFETY: the fence belongs to the device.
             match unsafe { self.0.device.wait_for_fences(&[fence], true, patience.as_nanos() as u64) } {
+                Err(vk::Result::TIMEOUT) if ending::gives_up(start) => {
+                    ending::leave_device();
+                    return Err(GpuError::Interrupted { what: what.into() });
+                }
+                Err(vk::Result::TIMEOUT) if patience < limit && start.elapsed() < limit => {}
                 Err(vk::Result::TIMEOUT)
                     if is_awaited()
                         && watch
                             .get_or_insert_with(|| Watchdog::new(std::process::id(), limit, u64::MAX))
                             .excess()
-                            .is_none() =>
-                {
-                    patience = Duration::from_secs(1);
-                }
+                            .is_none() => {}
                 Err(vk::Result::TIMEOUT) => {
                     return Err(GpuError::Timeout { what: what.into(), seconds: TIMEOUT_SECONDS });
                 }

@@ -3,7 +3,7 @@
 use super::device::Gpu;
 use super::format::COLOR;
 use super::instance::Instance;
-use super::window::{WindowHandle, WindowSurface, no_handle};
+use super::window::{WindowHandle, WindowSurface, handles};
 use super::{GpuError, Named, Options};
 use ash::{khr, vk};
 use std::sync::Arc;
@@ -37,7 +37,7 @@ pub(super) struct ChainImage {
 impl Surface {
     /// Opens a device that can draw into a window.
     pub(super) fn open(options: &Options, window: Arc<dyn WindowHandle>) -> Result<Surface, GpuError> {
-        let display = window.display_handle().map_err(no_handle)?.as_raw();
+        let (display, _) = handles(&Instance::loader()?, &*window)?;
         let extensions = ash_window::enumerate_required_extensions(display).named("the extensions of the display")?;
         let mut instance = Instance::new(options.validation, extensions)?;
         let surface = WindowSurface::new(&instance.entry, &instance.raw, window)?;
@@ -49,9 +49,7 @@ impl Surface {
         };
         let gpu = match Gpu::with_instance(options, instance, &[khr::swapchain::NAME.as_ptr()], presents) {
             // The device exists but cannot present to this window.
-            Err(GpuError::NoDevice { wanted, found }) if found.to_lowercase().contains(&wanted.to_lowercase()) => {
-                return Err(GpuError::NoPresent);
-            }
+            Err(GpuError::NoQueue { .. }) => return Err(GpuError::NoPresent),
             other => other?,
         };
         let swapchains = khr::swapchain::Device::new(&gpu.0.instance.raw, &gpu.0.device);

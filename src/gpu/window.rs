@@ -2,8 +2,13 @@
 
 use super::{GpuError, Named};
 use ash::{khr, vk};
-use raw_window_handle::{HandleError, HasDisplayHandle, HasWindowHandle};
+use raw_window_handle::{
+    HandleError, HasDisplayHandle, HasWindowHandle, RawDisplayHandle, RawWindowHandle, XcbDisplayHandle,
+    XcbWindowHandle, XlibDisplayHandle,
+};
 use std::ffi::{c_int, c_void};
+use std::num::NonZeroU32;
+use std::ptr::NonNull;
 use std::sync::{Arc, OnceLock};
 
 /// A window that can have a surface.
@@ -71,6 +76,45 @@ pub fn on_broken_display(act: impl Fn() + Send + Sync + 'static) {
     }
 }
 
+/// Handles of a window and its display, in the kind of which drivers make surfaces.
+pub(super) fn handles(
+    entry: &ash::Entry,
+    window: &dyn WindowHandle,
+) -> Result<(RawDisplayHandle, RawWindowHandle), GpuError> {
+    let display = window.display_handle().map_err(no_handle)?.as_raw();
+    let own = window.window_handle().map_err(no_handle)?.as_raw();
+    let (RawDisplayHandle::Xlib(xlib), RawWindowHandle::Xlib(window)) = (display, own) else {
+        return Ok((display, own));
+    };
+    // SAFETY: the loader is alive.
+    let extensions = unsafe { entry.enumerate_instance_extension_properties(None) }
+        .named("vkEnumerateInstanceExtensionProperties")?;
+    let has = |name| extensions.iter().any(|of| of.extension_name_as_c_str() == Ok(name));
+    // SwiftShader knows XCB alone.
+    let is_xcb_alone = has(khr::xcb_surface::NAME) && !has(khr::xlib_surface::NAME);
+    let number = NonZeroU32::new(window.window as u32).filter(|_| is_xcb_alone);
+    let found = number.and_then(|number| Some((number, xcb_connection(&xlib)?)));
+    Ok(found.map_or((display, own), |(number, connection)| {
+        let display = XcbDisplayHandle::new(Some(connection), xlib.screen);
+        (RawDisplayHandle::Xcb(display), RawWindowHandle::Xcb(XcbWindowHandle::new(number)))
+    }))
+}
+
+/// The XCB connection below a display of Xlib, which owns it.
+fn xcb_connection(xlib: &XlibDisplayHandle) -> Option<NonNull<c_void>> {
+    type Connection = unsafe extern "C" fn(*mut c_void) -> *mut c_void;
+    let display = xlib.display?;
+    // SAFETY: as in `has_library`; the function has this type, the display is open, and the library is never unloaded.
+    let connection = unsafe {
+        libloading::Library::new("libX11-xcb.so.1").and_then(|library| {
+            let connection = library.get::<Connection>(b"XGetXCBConnection\0")?(display.as_ptr());
+            std::mem::forget(library);
+            Ok(connection)
+        })
+    };
+    NonNull::new(connection.ok()?)
+}
+
 /// The surface of a window, which it keeps alive. Part of the instance, so that it is destroyed first.
 pub(super) struct WindowSurface {
     pub(super) functions: khr::surface::Instance,
@@ -84,8 +128,7 @@ impl WindowSurface {
         instance: &ash::Instance,
         window: Arc<dyn WindowHandle>,
     ) -> Result<WindowSurface, GpuError> {
-        let display = window.display_handle().map_err(no_handle)?.as_raw();
-        let own = window.window_handle().map_err(no_handle)?.as_raw();
+        let (display, own) = handles(entry, &*window)?;
         let functions = khr::surface::Instance::new(entry, instance);
         // SAFETY: the instance has the extensions of this display; the window outlives the surface.
         let handle =
@@ -102,6 +145,6 @@ impl Drop for WindowSurface {
 }
 
 /// Error of a window without a handle.
-pub(super) fn no_handle(error: HandleError) -> GpuError {
+fn no_handle(error: HandleError) -> GpuError {
     GpuError::Window(error.to_string())
 }

@@ -60,6 +60,9 @@ pub struct Measurements {
     /// CPU time of all threads of this process, milliseconds; `None` if the system does not report it.
     #[serde(default)]
     pub processor_ms: Option<f64>,
+    /// Setting in place of one that the device cannot serve, in words.
+    #[serde(default)]
+    pub replaced: Option<String>,
     /// Images that the program reads.
     #[serde(default)]
     pub images: Vec<ImageInfo>,

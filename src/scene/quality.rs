@@ -35,7 +35,7 @@ settings! {
         seed: u32 = 0 => Picture, whole(0.0, 16_777_215.0), usual(0.0, 1000.0), flag("seed");
         /// Pictures whose mean is the result; each has its own position in the pixel, phase and time.
         supersampling: u32 = 1 => Picture, whole(1.0, 256.0), flag("supersampling");
-        /// Interpolation between the texels of volumes and blocks; anisotropic filters are those of the device.
+        /// Interpolation between the texels of volumes, blocks and tables; anisotropic filters are those of the device.
         filter: Filter = Filter::Device => Images, Kind::Choice(Filter::CHOICES), flag("filter");
         /// Anisotropy of the filter of volumes; 1 is off. Blocks of noise have none.
         anisotropy: f32 = 1.0 => Images, number(1.0, 16.0), flag("anisotropy");
@@ -149,13 +149,13 @@ choices! {
 }
 
 choices! {
-    /// Interpolation between the texels of volumes and blocks.
+    /// Interpolation between the texels of volumes, blocks and tables.
     #[non_exhaustive]
     pub enum Filter {
         /// One lookup by the device, with weights of 8 bits on most GPUs.
         #[default]
         Device = "device",
-        /// Eight lookups by the shader, with weights of 32 bits.
+        /// Up to eight lookups by the shader, with weights of 32 bits.
         Exact = "exact",
     }
 }

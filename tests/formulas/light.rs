@@ -14,8 +14,10 @@ crate::rows! {
     p54_without_shadows_a_guess_stands = unshadowed,
         "shadow/none.glsl": "vec3 normal) {" => "vec3 normal) { guess = 1.0;";
     p54_light_space_is_angle_and_distance = light_space,
-        "light_space.glsl": "atan(across, p.z)" => "atan(p.z, across)",
-        "light_space.glsl": "sin(angle) / angle" => "cos(angle) / angle",
+        "light_space.glsl": "sqrt(0.5 + 0.5 * cosine)" => "sqrt(0.5 + 0.4 * cosine)",
+        "light_space.glsl": "cosine = 0.5 * across" => "cosine = 0.4 * across",
+        "light_space.glsl": "max(1.0 - quarter, 0.0)" => "max(1.0 - 0.9 * quarter, 0.0)",
+        "light_space.glsl": "2.0 * cosine * cosine - 1.0" => "1.0 - 2.0 * cosine * cosine",
         "light_space.glsl": "p - shadow_matrix[3]" => "p + shadow_matrix[3]";
     p28_without_surroundings_there_is_nothing = |l| environment(l, "none", |_| [0.0; 4]),
         "environment/none.glsl": "vec4(0.0)" => "vec4(1.0)";
@@ -60,11 +62,12 @@ fn unshadowed(library: &Library) -> f64 {
     Check::new(library, &[], text).holds(1e-12, |at| vec![at.p[0][0]; 3])
 }
 
-/// Around the light: x and y by the angle from its axis, which `shadow_rim` brings to 1, z by the distance.
+/// Around the light: x and y by the sine of a quarter of the angle from its axis, which `shadow_rim` brings to 1, z by the
+/// distance.
 pub fn in_light_space(at: &At<'_>, position: DVec3) -> DVec3 {
     let p = at.matrix("shadow_matrix").transform_point3(position);
     let angle = (p.z / p.length()).clamp(-1.0, 1.0).acos();
-    let across = p.truncate().normalize_or_zero() * angle / at.number("shadow_rim");
+    let across = p.truncate().normalize_or_zero() * (4.0 * (angle / 4.0).sin()) / at.number("shadow_rim");
     let (near, far) = (at.number("shadow_near"), at.number("shadow_far"));
     ((across + 1.0) / 2.0).extend((p.length() - near) / (far - near))
 }

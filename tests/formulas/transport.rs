@@ -33,6 +33,14 @@ crate::rows! {
         "filter/exact.glsl": "mix(c, d, w.x), w.y)" => "mix(c, d, w.y), w.y)",
         "filter/exact.glsl": "vec3(1.0, 1.0, 0.0))" => "vec3(1.0, 0.0, 0.0))",
         "filter/exact.glsl": "floor(level) + 1.0)" => "floor(level))";
+    a_device_filters_tables = |l| tables(l, "device"),
+        "filter/device.glsl": "lookup_line(image, p) textureLod(image, p, 0.0)" => "lookup_line(image, p) textureLod(image, 1.0 - (p), 0.0)",
+        "filter/device.glsl": "lookup_plane(image, p) textureLod(image, p, 0.0)" => "lookup_plane(image, p) textureLod(image, (p).yx, 0.0)";
+    a_shader_filters_tables = |l| tables(l, "exact"),
+        "filter/exact.glsl": "line_texel(image, p, 1), line_place" => "line_texel(image, p, 0), line_place",
+        "filter/exact.glsl": "+ step, 0, textureSize(image, 0) - 1)" => "+ step, 0, textureSize(image, 0) - 2)",
+        "filter/exact.glsl": "plane_texel(image, p, ivec2(1, 0))" => "plane_texel(image, p, ivec2(0, 0))",
+        "filter/exact.glsl": "ivec2(0), textureSize(image, 0) - 1)" => "ivec2(0), textureSize(image, 0) - 2)";
     m57_a_footprint_is_filtered_around_its_place = |l| dense(l, "anisotropic"),
         "storage/anisotropic.glsl": "ivec3(0)" => "ivec3(1)",
         "storage/anisotropic.glsl": "clamp(tex_coord" => "clamp(1.0 - tex_coord";
@@ -143,6 +151,21 @@ fn lookups(library: &Library, module: &str) -> f64 {
         let between = |channel: usize| low[channel] + at.p[1][3] * (high[channel] - low[channel]);
         let block = [0, 1, 2, 3].map(between);
         [filtered(at.texture("volume_image"), &at.p[0][..3], Wrap::Clamp), block].concat()
+    })
+}
+
+/// Of a table of one dimension and of two, which clamp.
+fn tables(library: &Library, module: &str) -> f64 {
+    let text = "#include <filter>
+        void check() { out0 = lookup_line(transfer_map, p0.x); out1 = lookup_plane(segment_map, p1.xy); }";
+    let random = |p: DVec3| [0.0, 1.0, 2.0, 3.0].map(|c| (17.3 * p.x + 11.9 * p.y + 0.3 * c).fract());
+    let check = Check::new(library, &[("filter", module)], text)
+        .with_texture("transfer_image", image([9, 1, 1], random))
+        .with_texture("segment_image", image([5, 7, 1], random))
+        .given(|random, _| [random.in_cube(1.2).extend(0.0).to_array(); 4]);
+    check.holds(1e-9, |at| {
+        let line = filtered(at.texture("transfer_image"), &at.p[0][..1], Wrap::Clamp);
+        [line, filtered(at.texture("segment_image"), &at.p[1][..2], Wrap::Clamp)].concat()
     })
 }
 

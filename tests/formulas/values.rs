@@ -215,7 +215,7 @@ fn of_number(name: &str, random: &mut Random) -> f64 {
         "full_opacity" => (0.9, 1.0),
         "time" => (-2.0, 10.0),
         "specular_power" => (1.0, 80.0),
-        "shadow_rim" => (0.3, PI),
+        "shadow_rim" => (0.3, 8f64.sqrt()),
         "shadow_near" => (0.5, 2.0),
         "shadow_far" => (4.0, 8.0),
         "shadow_bias" => (0.01, 0.1),

@@ -26,13 +26,14 @@ const OF_KEPT: [&str; 6] = ["create", "open", "rename", "set_permissions", "sync
 /// The call that loses the device, which is opened once more.
 const REPEATED: [&str; 1] = ["vkQueueSubmit2"];
 /// Calls that these commands do not make: of windows, and of the instance.
-const ELSEWHERE: [&str; 13] = [
+const ELSEWHERE: [&str; 14] = [
     "vkAcquireNextImageKHR",
     "vkCreateDebugUtilsMessengerEXT",
     "vkCreateDevice",
     "vkCreateSemaphore",
     "vkCreateSurfaceKHR",
     "vkCreateSwapchainKHR",
+    "vkEnumerateDeviceExtensionProperties",
     "vkEnumerateInstanceExtensionProperties",
     "vkEnumerateInstanceLayerProperties",
     "vkEnumeratePhysicalDevices",

@@ -3,6 +3,7 @@
 use crate::args::{Arguments, Command};
 use crate::compare::Failed;
 use crate::sequence::Interrupted;
+use crate::session::gpu_error;
 use crate::terminal::{UNSAID, complain, say, say_json};
 use crate::{
     bench, brief, compare, convert, doctor, effects, explain, export, field, gallery, groom, info, log, manual, merge,
@@ -15,7 +16,7 @@ use crate::{
     view::{self, NoWindow},
 };
 use clap::error::ErrorKind;
-use hypertexture::gpu::Options;
+use hypertexture::gpu::{GpuError, Options};
 use hypertexture::scene::schema::{SETTINGS, Setting};
 use hypertexture::scene::{SceneError, parse_value};
 use hypertexture::shader::compile;
@@ -69,7 +70,7 @@ pub fn main() -> ExitCode {
                 ExitCode::from(BAD_INPUT)
             }
         },
-        Err(error) if error.is::<Interrupted>() => {
+        Err(error) if error.is::<Interrupted>() || matches!(gpu_error(&*error), Some(GpuError::Interrupted { .. })) => {
             complain(&error.to_string());
             ExitCode::from(INTERRUPTED)
         }

@@ -3,7 +3,6 @@
 use super::picture::Picture;
 use super::{absolute, with_progress};
 use clap::Args;
-use hypertexture::gpu::exit_at_once;
 use hypertexture::output::sequence::{Frames, Manifest, Sequence, frame_path, manifest_path};
 use hypertexture::output::shard::{Shard, ShardError};
 use hypertexture::output::{Animated, Provenance, Sheet, identity, write};
@@ -19,6 +18,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::thread;
 use std::time::Instant;
+use hypertexture_support::ending;
 
 /// Frames that are compared to detect a still sequence.
 const MOST_TRIED: u32 = 256;
@@ -276,7 +276,8 @@ pub fn render_frames(
     )
 }
 
-/// Flag of the first signal: the current frame is finished. The second signal ends the process at once; files stay whole.
+/// Flag of the first signal: the current frame is finished, unless the device does not answer. The second signal ends the
+/// process at once; files stay whole.
 pub fn stop_flag() -> Result<Arc<AtomicBool>, Box<dyn Error>> {
     static STOP: OnceLock<Arc<AtomicBool>> = OnceLock::new();
     if let Some(stop) = STOP.get() {
@@ -285,9 +286,8 @@ pub fn stop_flag() -> Result<Arc<AtomicBool>, Box<dyn Error>> {
     let stop = Arc::new(AtomicBool::new(false));
     let flag = stop.clone();
     ctrlc::set_handler(move || {
-        if flag.swap(true, Ordering::Relaxed) {
-            exit_at_once(super::INTERRUPTED);
-        }
+        ending::begin(i32::from(super::INTERRUPTED), || ());
+        flag.store(true, Ordering::Relaxed);
     })
     .map_err(|error| format!("no handler for Ctrl-C: {error}"))?;
     Ok(STOP.get_or_init(|| stop).clone())

@@ -12,16 +12,23 @@ use std::error::Error;
 use std::io;
 use std::path::Path;
 
-/// Opens the device and calls a function; once more if the device is lost meanwhile.
+/// The error of the device behind an error, if any.
+pub(crate) fn gpu_error<'a>(error: &'a (dyn Error + 'static)) -> Option<&'a GpuError> {
+    match (error.downcast_ref(), error.downcast_ref()) {
+        (Some(RenderError::Gpu(error)), _) | (_, Some(error)) => Some(error),
+        _ => None,
+    }
+}
+
+/// Opens the device and calls a function; once more if the device is lost meanwhile. A device that hangs would do so
+/// again.
 pub(crate) fn with_device<T>(
     options: &Options,
     mut run: impl FnMut(&Gpu) -> Result<T, Box<dyn Error>>,
 ) -> Result<T, Box<dyn Error>> {
     let done = run(&Gpu::new(options)?);
-    let is_lost = |error: &(dyn Error + 'static)| match (error.downcast_ref(), error.downcast_ref()) {
-        (Some(RenderError::Gpu(error)), _) | (_, Some(error)) => GpuError::is_lost(error),
-        _ => false,
-    };
+    let is_lost =
+        |error: &(dyn Error + 'static)| gpu_error(error).is_some_and(|own| own.is_lost() && !own.is_timeout());
     match done {
         Err(error) if is_lost(&*error) => {
             ::log::warn!("{error}: the device was lost; it is opened once more");

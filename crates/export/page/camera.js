@@ -95,7 +95,7 @@ function shadowSpace(values, object, lightEye, step) {
   const near = outside ? Math.max(0, Math.min(...seen.map((p) => p[2]))) : 0;
   const far = Math.max(near + 1e-3, ...seen.map(length)), side = values.shadow_side[0];
   const steps = Math.ceil((far - near) / (side * STRIDE * step));
-  const rim = outside ? angle * (1 + 1 / side) : Math.PI;
+  const rim = 4 * (outside ? Math.sin(angle / 4) * (1 + 1 / side) : Math.SQRT1_2);
   const bias = Math.max(Math.SQRT2 * rim * (near + far) / side, (far - near) / side);
   return {
     shadow_matrix: matrix, shadow_rim: [rim], shadow_near: [near], shadow_far: [far], shadow_bias: [bias],

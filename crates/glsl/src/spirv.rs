@@ -18,7 +18,7 @@ pub fn instructions(module: &[u32]) -> impl Iterator<Item = (Op, &[u32])> {
 }
 
 /// The words of an instruction.
-pub(super) fn encode(op: Op, operands: &[u32]) -> Vec<u32> {
+pub fn encode(op: Op, operands: &[u32]) -> Vec<u32> {
     let first = (operands.len() as u32 + 1) << 16 | op as u32;
     [&[first], operands].concat()
 }

@@ -10,11 +10,12 @@ use super::script::{Script, widgets};
 use super::unsaved::Latest;
 use super::window_state::{WindowState, perform};
 use egui::{Event, FullOutput, ViewportCommand, ViewportId};
-use hypertexture::gpu::{GpuError, Messages, Presented, exit_at_once};
+use hypertexture::gpu::{GpuError, Messages, Presented};
 use std::io::{self, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
+use hypertexture_support::ending;
 use winit::application::ApplicationHandler;
 use winit::dpi::{LogicalSize, PhysicalSize};
 use winit::event::{StartCause, WindowEvent};
@@ -30,7 +31,7 @@ const HIDDEN_PACE: Duration = Duration::from_millis(250);
 const DEPTHS: [u8; 2] = [24, 32];
 
 /// Exit code after a second signal, as in shells after Ctrl-C.
-const INTERRUPTED: u8 = 130;
+const INTERRUPTED: i32 = 130;
 
 /// A message to the event loop from another thread.
 enum Message {
@@ -77,11 +78,13 @@ pub fn run(start: Start) -> Result<(), ViewError> {
     // The event loop may have ended.
     let notify: Notify = Arc::new(move || drop(wakes.send_event(Message::Wake)));
     let interrupted = Arc::new(AtomicBool::new(false));
-    let (told, wake) = (interrupted.clone(), notify.clone());
-    // The first signal stores unsaved work and exits; the second one exits at once.
-    let handled = ctrlc::set_handler(move || match told.swap(true, Ordering::Relaxed) {
-        true => exit_at_once(INTERRUPTED),
-        false => wake(),
+    let (told, wake, noted) = (interrupted.clone(), notify.clone(), latest.clone());
+    // The first signal stores unsaved work and exits, also if the device does not answer; the second one exits at once.
+    let handled = ctrlc::set_handler(move || {
+        let noted = noted.clone();
+        ending::begin(INTERRUPTED, move || drop(noted.keep()));
+        told.store(true, Ordering::Relaxed);
+        wake();
     });
     if let Err(error) = handled {
         log::warn!("cannot handle signals, which will discard unsaved work: {error}");

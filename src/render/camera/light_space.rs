@@ -4,6 +4,7 @@ use super::planes::SlicePlanes;
 use super::view::View;
 use crate::scene::{SHADOW_SAMPLES, Scene};
 use glam::{Mat4, Quat, Vec3};
+use std::f32::consts::{PI, SQRT_2};
 
 /// Largest distance of a light, radii of the scene. Higher: f32 loses places along a ray. Lower: shadows of a distant
 /// light spread visibly; at this distance by a third of a percent.
@@ -26,7 +27,7 @@ const STRIDE: f32 = 2.0;
 pub(crate) struct LightSpace {
     /// From eye space to light space: the light at the origin, the middle of the scene along +z.
     pub(crate) matrix: Mat4,
-    /// Covered angle from the axis, radians.
+    /// Radius of the map that is covered: see [`LightSpace::radius`].
     pub(crate) rim: f32,
     /// Distances from the light that bound the scene, object units.
     pub(crate) near: f32,
@@ -60,14 +61,22 @@ impl LightSpace {
         let far = seen.iter().map(|p| p.length()).fold(0.0, f32::max).max(near + 1e-3);
         let side = scene.light.shadow_resolution;
         let steps = ((far - near) / (side as f32 * STRIDE * planes.step)).ceil().clamp(1.0, MOST_STEPS);
-        let rim = if outside { angle * (1.0 + 1.0 / side as f32) } else { std::f32::consts::PI };
+        let angle = if outside { angle } else { PI };
+        let rim = LightSpace::radius(angle) * if outside { 1.0 + 1.0 / side as f32 } else { 1.0 };
         let slice = if scene.is_half_angle() { planes.step } else { 0.0 };
         LightSpace { matrix, rim, near, far, side, steps, slice }
     }
 
-    /// Longest side or diagonal of a texel in the middle of the scene, object units.
+    /// Distance of a ray from the middle of the map, by its angle from the axis in radians: `light_space.glsl`.
+    pub(crate) fn radius(angle: f32) -> f32 {
+        4.0 * (angle / 4.0).sin()
+    }
+
+    /// Longest side or diagonal of a texel in the middle of the scene, object units. At an angle
+    /// a, the sides of a texel are 1 / cos(a / 4) and cos(a / 2) cos(a / 4) times those in the middle of the map: no diagonal
+    /// is longer than there.
     fn bias(&self) -> f32 {
-        let across = std::f32::consts::SQRT_2 * self.rim * (self.near + self.far) / self.side as f32;
+        let across = SQRT_2 * self.rim * (self.near + self.far) / self.side as f32;
         if self.slice > 0.0 {
             return across + 2.0 * self.slice;
         }

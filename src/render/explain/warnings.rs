@@ -24,6 +24,7 @@ pub fn warnings(m: &Measurements, variant: &Variant, subject: &Subject, library:
         is_soft.then(|| no_core(scene, outer, subject)).flatten(),
         lost_in_target(m, scene),
         not_computed(m, variant, library),
+        m.replaced.clone(),
         terraces(m, subject),
         thin_shell(scene, subject),
         guessed_sign(scene, subject),

@@ -6,7 +6,7 @@ use crate::render::camera::{FrameContext, SubFrame};
 use crate::render::cells::{self, BackgroundCells, CellStats, EmptyCells, Tiles};
 use crate::render::error::RenderError;
 use crate::render::inputs::{
-    Encoded, Filter, ImageInfo, Inputs, Sparse, StoredObjects, Values, block_image, blocks, groom_image,
+    Encoded, FIELD, Filter, ImageInfo, Inputs, Sparse, StoredObjects, Values, block_image, blocks, groom_image,
 };
 use crate::render::variant::{Blocks, OCTAVES_ID, PICTURE_BINDING, Program, Resource, Use, bindings};
 use crate::scene::Scene;
@@ -61,8 +61,14 @@ impl BoundInputs {
             images.push((*binding, Arc::new(block_image(gpu, block, progress)?)));
         }
         let sampler = |(binding, filter): &(u32, Filter)| {
-            Ok((*binding, Arc::new(Sampler::new(gpu, filter.address, filter.anisotropy)?)))
+            let lacks_filters = !gpu.info().unfiltered.is_empty();
+            let made = match filter.reads_centers && lacks_filters {
+                true => Sampler::nearest(gpu, filter.address)?,
+                false => Sampler::new(gpu, filter.address, filter.anisotropy)?,
+            };
+            Ok((*binding, Arc::new(made)))
         };
+        inputs.samplers.iter().try_for_each(|(_, filter)| check_anisotropy(gpu, inputs, filter))?;
         let cells = (is_cut || program.reads(bindings::CELLS)).then(|| EmptyCells::new(library));
         Ok(BoundInputs {
             blocks: Vec::new(),
@@ -227,6 +233,21 @@ impl BoundInputs {
     /// Bytes of the images on the device.
     pub(crate) fn bytes(&self) -> u64 {
         self.images.iter().map(|(_, image)| image.bytes()).sum()
+    }
+}
+
+/// Checks that the device filters distance fields whose sampler is anisotropic: no other filter can stand in. Blocks of
+/// noise have samplers of their own, and other volumes are read texel by texel where the device cannot filter them.
+fn check_anisotropy(gpu: &Gpu, inputs: &Inputs, filter: &Filter) -> Result<(), gpu::GpuError> {
+    let fields = inputs.images.iter().filter(|(_, image)| image.name == FIELD);
+    let mut formats = fields.map(|(_, image)| image.format).filter(|_| filter.anisotropy > 1.0);
+    match formats.find(|format| !gpu.can_filter(*format)) {
+        None => Ok(()),
+        Some(format) => Err(gpu::GpuError::Unsupported {
+            device: gpu.info().name.clone(),
+            what: format!("linear filters of {format:?}"),
+            remedy: "use quality.anisotropy = 1".into(),
+        }),
     }
 }
 

@@ -5,6 +5,7 @@ mod bind;
 mod depth;
 mod destination;
 mod early_exit;
+mod filters;
 mod half_angle;
 mod pass;
 mod pixels;

@@ -109,7 +109,7 @@ impl Prepared {
             || {
                 let is_recorded = destination != Destination::Frame;
                 // A host's scene is prepared without submissions; and a CPU bakes faster by rows than by texels.
-                let on_device = !is_recorded && !gpu.info().cpu;
+                let on_device = !is_recorded && !gpu.info().cpu && gpu.info().unread.is_empty();
                 let inputs = Inputs::without_blocks(library, frame, &program, progress, on_device)?;
                 BoundInputs::new(gpu, library, &program, &inputs, is_cut(destination, scene), is_recorded, progress)
             },
@@ -414,6 +414,7 @@ impl Prepared {
             longest_ms: drawn.longest_ms,
             total_ms: 0.0,
             processor_ms: None,
+            replaced: None,
             images: self.bound.images(),
             device_bytes: self.bound.bytes() + targets + self.pipelines.half_angle.as_ref().map_or(0, HalfAngle::bytes),
             sparse: self.bound.sparse(),

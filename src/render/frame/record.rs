@@ -91,7 +91,7 @@ impl Renderer {
         if scene.is_half_angle() {
             return Err(RenderError::Recorded("light.method = \"volume\""));
         }
-        let mut variant = self.plain(&Variant::of(&scene, &self.library)?);
+        let mut variant = self.plain(&self.suited(&scene)?);
         if !scene.may_find_first(&self.library) {
             variant = variant.without_two_phase(); // two-phase artifacts would not be noticed here
         }

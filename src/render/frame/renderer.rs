@@ -3,6 +3,7 @@
 use super::background::BackgroundPrepare;
 use super::depth::by_rays;
 use super::destination::Destination;
+use super::filters::{note, suited};
 use super::pixels::paste_areas;
 use super::prepared::{Prelude, Prepared, Reusable};
 use super::trial::Ways;
@@ -14,7 +15,7 @@ use crate::render::error::RenderError;
 use crate::render::measurements::Frame;
 use crate::render::subject::Subject;
 use crate::render::variant::{Checkable, Variant, bindings};
-use crate::scene::{Scene, ShaderStage};
+use crate::scene::{RayPath, Scene, ShaderStage};
 use crate::shader::{Library, Slots};
 use crate::shape::Groom;
 use hypertexture_support::watchdog::own_processor_time;
@@ -123,7 +124,7 @@ impl Renderer {
     /// As [`render`].
     pub fn prepare(&mut self, scene: &impl Checkable, progress: Progress<'_>) -> Result<(), RenderError> {
         let start = Instant::now();
-        let own = scene.checked(&self.library)?.into_owned();
+        let own = self.suited(scene)?;
         self.ways.recall(&self.gpu, &own, &self.library);
         let variant = self.variant(&own)?;
         self.prepared(&variant, Destination::Frame, progress)?;
@@ -216,8 +217,10 @@ impl Renderer {
         progress: Progress<'_>,
     ) -> Result<Frame, RenderError> {
         let (start, before) = (Instant::now(), own_processor_time());
-        let own = scene.checked(&self.library)?.into_owned();
-        let mut is_open = self.ways.recall(&self.gpu, &own, &self.library) && !self.is_cut(&own);
+        let asked = scene.checked(&self.library)?.into_owned();
+        let own = self.suited(&asked)?;
+        let mut is_open =
+            self.ways.recall(&self.gpu, &own, &self.library) && !self.is_cut(&own) && !self.bends_in_compute(&own);
         let mut variant = self.variant(&own)?;
         let count = variant.scene.quality.supersampling;
         assert!(number.is_none_or(|number| number < count), "{number:?} of {count}");
@@ -250,6 +253,7 @@ impl Renderer {
         frame.measurements.total_ms = std::mem::take(&mut self.prepared_ms) + start.elapsed().as_secs_f64() * 1e3;
         let taken = own_processor_time().zip(before).map(|(after, before)| after.saturating_sub(before));
         frame.measurements.processor_ms = taken.map(|taken| taken.as_secs_f64() * 1e3);
+        frame.measurements.replaced = note(self.gpu.info(), &asked.scene, &frame.measurements);
         frame.measurements.others = subject.all_others().cloned().collect();
         Ok(frame)
     }
@@ -274,13 +278,19 @@ impl Renderer {
         prepared.depth(&library, &variant, &subject, &*stop)
     }
 
+    /// The variant of a scene by filters that the device has.
+    pub(super) fn suited(&self, scene: &impl Checkable) -> Result<Variant, RenderError> {
+        Ok(suited(self.gpu.info(), scene.checked(&self.library)?.into_owned()))
+    }
+
     /// The variant that draws a scene: [`Renderer::plain`], or in the way that a trial chose.
     fn variant(&self, scene: &impl Checkable) -> Result<Variant, RenderError> {
-        let own = scene.checked(&self.library)?;
+        let own = self.suited(scene)?;
         let plain = self.plain(&own);
         let way = match own.scene.quality.stage {
             ShaderStage::Compute if self.gpu.info().computes => plain.in_compute(&self.library).ok(),
             ShaderStage::Fragment | ShaderStage::Compute => None,
+            ShaderStage::Auto if self.bends_in_compute(&own) => plain.in_compute(&self.library).ok(),
             ShaderStage::Auto if self.is_cut(&own) => None,
             ShaderStage::Auto => self.ways.applied(&own, &self.library),
         };
@@ -291,6 +301,12 @@ impl Renderer {
     /// short, else as suits most devices of its kind.
     pub(super) fn plain(&self, own: &Variant) -> Variant {
         if self.is_cut(own) { own.without_two_phase() } else { own.clone().for_device(self.gpu.info().cpu) }
+    }
+
+    /// Whether compute shaders bend the rays of a scene, since the derivatives of fragment shaders are wrong.
+    fn bends_in_compute(&self, own: &Variant) -> bool {
+        let info = self.gpu.info();
+        info.misses_neighbors() && info.computes && own.scene.effect.ray_path == RayPath::Refracted
     }
 
     fn is_cut(&self, own: &Variant) -> bool {

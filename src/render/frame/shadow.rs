@@ -9,6 +9,7 @@
 //! samples either, but blurs in each layer, and does not work for a light inside the scene.
 
 use super::bind::BoundInputs;
+use super::filters::suited;
 use super::submission_budget::{SubmissionBudget, SubmissionControl};
 use super::{bind, pass};
 use crate::gpu::{self, Dimension, Format, Gpu, Image, ImageUse, Pipeline};
@@ -42,7 +43,8 @@ impl Transmittance {
     pub fn at(&self, x: Vec3) -> f32 {
         let space = &self.space;
         let p = space.matrix.transform_point3(self.object_matrix.transform_point3(x));
-        let across = p.truncate().normalize_or_zero() * p.truncate().length().atan2(p.z) / space.rim;
+        let angle = p.truncate().length().atan2(p.z);
+        let across = p.truncate().normalize_or_zero() * LightSpace::radius(angle) / space.rim;
         let along = (p.length() - space.near) / (space.far - space.near);
         let side = space.side as usize;
         let at = (0.5 + 0.5 * across).extend(along) * side as f32 - Vec3::new(0.5, 0.5, 0.0);
@@ -72,7 +74,7 @@ pub fn transmittance(
     scene: &impl Checkable,
     subject: &Subject,
 ) -> Result<Transmittance, RenderError> {
-    let frame = FrameContext::of(scene.checked(library)?.into_owned(), subject);
+    let frame = FrameContext::of(suited(gpu.info(), scene.checked(library)?.into_owned()), subject);
     let program = frame.variant.program(library, Linker::new)?;
     let inputs = Inputs::new(library, &frame, &program, &|_| ())?;
     let mut bound = BoundInputs::new(gpu, library, &program, &inputs, false, false, &|_| ())?;

@@ -3,6 +3,7 @@
 //! Invariant: the density is that of [`polygonize`](crate::render::polygonize), in f32.
 
 use super::bind::{self, BoundInputs};
+use super::filters::suited;
 use super::submission_budget::SubmissionBudget;
 use crate::gpu::{self, Area, BindSet, Buffer, BufferUse, Dimension, Format, Gpu, Image, ImageUse, Load, Target};
 use crate::render::camera::{FrameContext, SubFrame};
@@ -41,6 +42,7 @@ impl VoxelProgram {
         subject: &Subject,
         as_value: fn(&Library, &Variant) -> (Library, Variant),
     ) -> Result<VoxelProgram, RenderError> {
+        let drawn = &suited(gpu.info(), drawn.clone());
         let (library, variant) = as_value(library, &drawn.for_purpose(Purpose::Voxels, library)?);
         let program = variant.program(&library, Linker::new)?;
         let frame = FrameContext::of(drawn.clone(), subject);

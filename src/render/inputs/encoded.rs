@@ -2,7 +2,7 @@
 
 use crate::gpu::{Address, Dimension, Format};
 use crate::render::variant::bindings;
-use crate::scene::{Quality, Wrap};
+use crate::scene::{self, Quality, Wrap};
 use bytemuck::NoUninit;
 use serde::{Deserialize, Serialize};
 
@@ -36,11 +36,17 @@ impl Encoded {
     }
 }
 
-/// A sampler: its address mode, and its anisotropy (1 for none).
+/// Name of the image of a distance field: the only one that is filtered by an anisotropic sampler where
+/// `quality.filter` is `exact`.
+pub(crate) const FIELD: &str = "distance field";
+
+/// A sampler: its address mode, its anisotropy (1 for none), and its use.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Filter {
     pub(crate) address: Address,
     pub(crate) anisotropy: f32,
+    /// Whether programs read the centers of texels alone.
+    pub(crate) reads_centers: bool,
 }
 
 impl Filter {
@@ -55,6 +61,7 @@ impl Filter {
             bindings::BLOCK_SAMPLER => (Address::Repeat, 1.0),
             _ => (Address::Clamp, quality.anisotropy),
         };
-        Filter { address, anisotropy }
+        let reads_centers = name == "repeat_sampler" || (quality.filter == scene::Filter::Exact && anisotropy == 1.0);
+        Filter { address, anisotropy, reads_centers }
     }
 }

@@ -1,7 +1,7 @@
 //! Inputs of a program, encoded on the CPU: uniform values and only those images that the program reads.
 
 use super::bricks::Sparse;
-use super::encoded::{Encoded, Filter};
+use super::encoded::{Encoded, FIELD, Filter};
 use super::noise_blocks::NoiseImage;
 use super::object_inputs::{CLOSEST, ObjectInputs, StoredDistance};
 use super::table::{self, Function};
@@ -245,7 +245,7 @@ fn image(
                 Encoding::Distance16 => Format::R16Unorm,
                 Encoding::Distance32 => Format::R32Float,
             };
-            Encoded { name: "distance field", dimension: volume(texels.size), format, bytes: texels.bytes }
+            Encoded { name: FIELD, dimension: volume(texels.size), format, bytes: texels.bytes }
         }
     })
 }

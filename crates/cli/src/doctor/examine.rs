@@ -10,9 +10,6 @@ use hypertexture::output::PROGRAM;
 
 /// Formats that targets are blended in.
 const TARGETS: [Format; 3] = [Format::Rgba8Unorm, Format::Rgba16Float, Format::Rgba32Float];
-/// Formats that are sampled with a linear filter.
-const SAMPLED: [Format; 5] =
-    [Format::R16Unorm, Format::R32Float, Format::Rgba8Unorm, Format::Rgba16Unorm, Format::Rgba32Float];
 
 /// Examines the chosen device in less than two seconds.
 ///
@@ -42,6 +39,7 @@ impl Diagnosis {
         self.line("api", &format!("Vulkan {}", info.api));
         self.line("volumes", &format!("up to {} texels along a side", info.max_volume));
         self.line("images", &format!("up to {} pixels along a side", info.max_image));
+        self.line("sampled", &format!("up to {} images in one program", info.max_sampled_images));
         let counts = gpu.sample_counts(Format::Rgba32Float).iter().map(u32::to_string).collect::<Vec<_>>().join(", ");
         self.line("samples", &format!("{counts} per pixel of a float32 target"));
         self.line("anisotropy", &format!("up to {}", info.max_anisotropy));
@@ -52,7 +50,7 @@ impl Diagnosis {
         let counted = if info.counts_fragments { "counted" } else { "not counted: the device has no such query" };
         self.line("fragments", counted);
         if info.cpu {
-            let remedy = "this device is a CPU, and slow; where there is a GPU: sudo apt install mesa-vulkan-drivers";
+            let remedy = "this device is a CPU, and slow; where there is a GPU, install Mesa's Vulkan drivers";
             self.line("NOTE", &format!("{remedy} (AMD, Intel), or the driver of its vendor"));
         }
         if !info.sample_shading {
@@ -66,18 +64,30 @@ impl Diagnosis {
             able.map(|format| format!("{format:?}")).collect::<Vec<_>>().join(", ")
         };
         self.line("blends", &named(&TARGETS, &|format| gpu.can_blend(format)));
-        self.line("filters", &named(&SAMPLED, &|format| gpu.can_filter(format)));
+        self.line("filters", &named(&Format::SAMPLED, &|format| gpu.can_filter(format)));
         for format in TARGETS.into_iter().filter(|format| !gpu.can_blend(*format)) {
             // Only the default target is required.
             let what = if format == Format::Rgba32Float { "FAIL" } else { "NOTE" };
             self.line(what, &format!("{format:?} cannot be blended into: use another --target"));
         }
-        for format in SAMPLED.into_iter().filter(|format| !gpu.can_filter(*format)) {
+        for format in &gpu.info().unread {
+            self.line("NOTE", &format!("{format:?} cannot be read: its texels are stored as 32-bit floats"));
+        }
+        for format in &gpu.info().unfiltered {
             let (what, remedy) = match format {
-                Format::R16Unorm | Format::Rgba16Unorm => ("FAIL", "volumes need it: HYPERTEXTURE_DEVICE=llvmpipe"),
-                Format::Rgba8Unorm => ("NOTE", "use another --field-encoding than normals8"),
-                Format::R32Float => ("NOTE", "use another --field-encoding than distance32"),
-                _ => ("NOTE", "use another classification than preintegrated"),
+                Format::R16Unorm | Format::Rgba16Unorm => {
+                    ("NOTE", "volumes and tables are drawn by --filter exact, which is slower; --anisotropy is refused")
+                }
+                Format::R32Float => (
+                    "NOTE",
+                    "blocks of noise have 16 bits; --field-encoding distance32 is drawn by --filter exact, slower",
+                ),
+                Format::Rgba32Float => (
+                    "NOTE",
+                    "half-angle light and classify = preintegrated are drawn by --filter exact, which is slower",
+                ),
+                // Vulkan requires these.
+                _ => ("FAIL", "update the driver, or HYPERTEXTURE_DEVICE=llvmpipe"),
             };
             self.line(what, &format!("{format:?} cannot be filtered: {remedy}"));
         }
@@ -89,7 +99,8 @@ impl Diagnosis {
             Err(GpuError::NoValidation) => {
                 self.line(
                     "validation",
-                    "not installed, and needed for tests only: sudo apt install vulkan-validationlayers",
+                    "not installed, and needed for tests only: vulkan-validationlayers, or on Fedora and Arch \
+                     vulkan-validation-layers",
                 );
             }
             Err(_) => self.line("validation", "unknown: there is no device to ask"),

@@ -2,6 +2,8 @@
 
 mod examine;
 mod finding;
+#[cfg(test)]
+mod hang_tests;
 mod probes;
 
 pub use examine::examine;

@@ -14,7 +14,7 @@ const CLAMP_SAMPLER: u32 = 5;
 
 /// Error of a test that could not run.
 #[derive(Debug, thiserror::Error)]
-enum ProbeError {
+pub(super) enum ProbeError {
     #[error(transparent)]
     Link(#[from] LinkError),
     #[error(transparent)]
@@ -52,14 +52,14 @@ pub(super) fn run(gpu: &Gpu, report: &mut Diagnosis) {
 }
 
 /// Device, library and linker of the tests.
-struct Bench<'a> {
-    gpu: &'a Gpu,
-    library: Library,
-    linker: Linker,
+pub(super) struct Bench<'a> {
+    pub(super) gpu: &'a Gpu,
+    pub(super) library: Library,
+    pub(super) linker: Linker,
 }
 
 /// A run of a program of `glsl/doctor`.
-struct Run<'a> {
+pub(super) struct Run<'a> {
     fragment: &'a str,
     format: Format,
     size: [u32; 2],
@@ -69,7 +69,7 @@ struct Run<'a> {
 
 impl Bench<'_> {
     /// Draws layers over a cleared target, each behind the ones before it, and returns the target's texels.
-    fn draw(&self, run: &Run<'_>) -> Result<(Vec<[f32; 4]>, Submitted), ProbeError> {
+    pub(super) fn draw(&self, run: &Run<'_>) -> Result<(Vec<[f32; 4]>, Submitted), ProbeError> {
         const VERTEX: &str = "doctor/cover.vert";
         let link = |entry, stage| self.linker.link(&self.library, entry, stage, &[VERTEX, run.fragment], &Slots::new());
         let binding = |index, kind| Binding { index, kind, vertex: false, fragment: true };
@@ -104,6 +104,11 @@ impl Bench<'_> {
     }
 }
 
+/// Loops that keep a processor busy for minutes.
+#[cfg(test)]
+pub(super) const LOOPS: Run<'static> =
+    Run { fragment: "doctor/loops.frag", format: Format::Rgba32Float, size: [2048, 2048], layers: 64, volume: None };
+
 /// llvmpipe ends the loops of an invocation after 65 535 iterations in total without an error.
 fn loops(bench: &Bench<'_>) -> Result<Outcome, ProbeError> {
     const ASKED: usize = 70_000;
@@ -122,7 +127,7 @@ fn loops(bench: &Bench<'_>) -> Result<Outcome, ProbeError> {
                  refused; a loop in a module of your own counts for every sample"
             ),
         ),
-        None => ("FAIL", "a loop of integers gives a wrong result; update the driver: sudo apt upgrade".into()),
+        None => ("FAIL", "a loop of integers gives a wrong result; update the driver".into()),
     })
 }
 
@@ -181,7 +186,7 @@ fn blend(bench: &Bench<'_>, format: Format) -> Result<Outcome, ProbeError> {
     let measured = format!("{LAYERS} thin layers add up to {found:.6}, the truth is {TRUTH:.6}");
     Ok(match ((found - TRUTH).abs() < 1e-4, format) {
         (true, _) => ("PASS", measured),
-        (false, Format::Rgba32Float) => ("FAIL", format!("{measured}; update the driver: sudo apt upgrade")),
+        (false, Format::Rgba32Float) => ("FAIL", format!("{measured}; update the driver")),
         (false, _) => ("NOTE", format!("{measured}; the default target is float32")),
     })
 }

@@ -13,3 +13,6 @@ pub use report::{Change, Mismatch, changes, table};
 pub use roofline::{Counts, Peaks};
 pub use suite::{Row, Work, library, stages, suite};
 pub use timed::{Against, Bench, Floor, Timed, measure};
+
+#[cfg(test)]
+mod tests;

@@ -77,7 +77,7 @@ pub struct Row {
 }
 
 impl Row {
-    fn picture(name: String, scene: Scene) -> Row {
+    pub(super) fn picture(name: String, scene: Scene) -> Row {
         Row { name, work: Work::Picture(Box::new(scene)), against: None, paper_ms: None }
     }
 

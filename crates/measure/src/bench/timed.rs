@@ -130,6 +130,10 @@ pub fn measure(
     'groups: for (number, group) in groups.iter().enumerate() {
         let mut rows: Vec<&Row> = group.iter().collect();
         loop {
+            if stop() {
+                bench.partial = true;
+                break 'groups;
+            }
             if let Some((name, error)) = failed.take() {
                 bench.failures.push(format!("{name}: {error}"));
                 if matches!(&error, RenderError::Gpu(error) if error.is_lost()) {

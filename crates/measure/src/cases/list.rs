@@ -4,7 +4,7 @@ use super::analytic_scenes::{COLOR_BY_DEPTH, HOMOGENEOUS, PERLIN_BALLS, SLANTED,
 use super::run::Measure::{Analytic, Rows};
 use super::run::{Case, Measure, Suite};
 use super::{
-    camera, data, fields, invariances, lenses, matter, noise, opacity, optimizer, relations, shaping, volumes,
+    camera, data, drivers, fields, invariances, lenses, matter, noise, opacity, optimizer, relations, shaping, volumes,
 };
 
 const fn verify(number: u32, name: &'static str, measure: Measure) -> Case {
@@ -28,6 +28,7 @@ pub const CASES: &[Case] = &[
     verify(9, "invariances", Rows(invariances::rows)),
     verify(10, "wide view", Analytic(SLANTED)),
     verify(11, "thin layers", Rows(matter::formats)),
+    verify(12, "drivers", Rows(drivers::rows)),
     stress(1, "bias near 1", Rows(shaping::bias_near_1)),
     stress(2, "bias near 0", Rows(shaping::bias_near_0)),
     stress(3, "gain near its ends", Rows(shaping::gain_at_ends)),

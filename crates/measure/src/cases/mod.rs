@@ -8,6 +8,7 @@ mod analytic_scenes;
 mod camera;
 mod closed_forms;
 mod data;
+mod drivers;
 mod fields;
 mod function;
 mod invariances;

@@ -5,10 +5,11 @@ use hypertexture::gpu::Gpu;
 use hypertexture::render::{Frame, RenderError, Renderer, Subject};
 use hypertexture::scene::{Scene, to_text};
 use hypertexture::shader::{self, Library};
+use hypertexture_support::ending;
 use hypertexture_support::jobs::{Child, Ended, Limits};
 use std::cell::RefCell;
 use std::path::PathBuf;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Processor time allowed for a picture of any size: device, object, pipeline.
 pub const PATIENCE: Duration = Duration::from_secs(120);
@@ -88,7 +89,9 @@ impl Worker {
         let times = 1 + u32::from(before.is_some_and(|before| before != generation));
         let mut frame = Err(RenderError::Worker("no picture was rendered".into()));
         for _ in 0..times {
-            let lost = match process.ask(&request) {
+            process.send(&request);
+            let asked = Instant::now();
+            let lost = match process.receive(&|| ending::gives_up(asked)) {
                 Ok((Ok(Drawn { size, measurements }), pixels)) => {
                     frame = Ok(Frame { size, pixels: bytemuck::pod_collect_to_vec(&pixels), measurements });
                     continue;
@@ -122,6 +125,7 @@ fn samples(scene: &Scene) -> f64 {
 fn reason(ended: Ended) -> String {
     match ended {
         Ended::Unfit(reason) => reason,
+        Ended::Cancelled => "interrupted".into(),
         Ended::Late(seconds) => format!("the driver did not end within {seconds:.0} s of the processor"),
         Ended::Large(mib) => format!("the driver took more than {} GiB of memory", mib >> 10),
         ended => format!("the driver {ended}"),

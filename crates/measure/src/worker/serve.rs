@@ -1,7 +1,7 @@
 //! The child process: renders scenes on request.
 
 use super::{Drawn, Failed, Load, Request, Task};
-use hypertexture::gpu::{Gpu, GpuError, Options};
+use hypertexture::gpu::{Gpu, Options};
 use hypertexture::render::{Frame, RenderError, Renderer, Subject};
 use hypertexture::scene::{self, Scene};
 use hypertexture::shader::{self, Library};
@@ -61,11 +61,8 @@ fn parse(text: &str) -> io::Result<Scene> {
     scene::parse(text, "scene").map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error.to_string()))
 }
 
-/// The answer for an error; a device that timed out counts as lost.
+/// The answer for an error.
 fn failed(error: &RenderError) -> Failed {
-    let is_lost = match error {
-        RenderError::Gpu(error) => error.is_lost() || matches!(error, GpuError::Timeout { .. }),
-        _ => false,
-    };
+    let is_lost = matches!(error, RenderError::Gpu(error) if error.is_lost());
     Failed { reason: error.to_string(), is_lost }
 }

@@ -21,8 +21,9 @@ fn every_case_holds_on_this_device_in_both_passes() {
         println!("{}{:.1} s", cases::table(&report), start.elapsed().as_secs_f64());
         let failed: Vec<String> = report.failed().map(Row::title).collect();
         assert!(failed.is_empty(), "{failed:?}");
-        // Slices bend no rays, and rays are not blended into a target.
-        for case in all.iter().filter(|case| !["lenses", "thin layers"].contains(&case.name)) {
+        // Slices bend no rays, rays are not blended into a target, and rows on drivers hold passes against each other.
+        let others = ["lenses", "thin layers", "drivers"];
+        for case in all.iter().filter(|case| !others.contains(&case.name)) {
             let rows = || report.rows.iter().filter(|row| row.case == case.number);
             let both = ["slices", "rays"].iter().all(|pass| rows().any(|row| row.what.ends_with(pass)));
             assert!(both, "{}", case.name);
