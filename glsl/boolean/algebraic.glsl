@@ -1,12 +1,16 @@
 // Soft booleans by products: fillets as wide as the soft regions. No Boolean algebra: a and a is not a.
 // Source: PH 2.2: a and b = a b; not a = 1 - a; a or b = a + b - a b.
 // In the hard regions, where the density has no slope, distance and normal are those of the sharp operation.
-#include "soft.glsl"
+#include "thin_matter.glsl"
 Soft complement(Soft a) { return Soft(1.0 - a.density, -a.slope, -a.distance, -a.normal, -1.0); }
 
 Soft intersect(Soft a, Soft b) {
-    Soft further = a;
-    if (b.distance > a.distance) further = b;
+    Soft further = a, nearer = b;
+    if (b.distance > a.distance) {
+        further = b;
+        nearer = a;
+    }
+    if (enters_through(nearer, further)) further = nearer;
     return Soft(a.density * b.density, b.density * a.slope + a.density * b.slope, further.distance, further.normal,
                 max(a.distance_bound, b.distance_bound));
 }

@@ -114,13 +114,19 @@ pub(super) struct PipelineCache {
     device: ash::Device,
     pub(super) handle: vk::PipelineCache,
     file: Option<PathBuf>,
+    /// What the file holds, and what the driver makes of a cache without pipelines.
+    known: Vec<u8>,
+    empty: Vec<u8>,
 }
 
 impl Drop for PipelineCache {
     fn drop(&mut self) {
         // SAFETY: the cache belongs to this device, a later field of the same owner.
         unsafe {
-            if let (Some(file), Ok(data)) = (&self.file, self.device.get_pipeline_cache_data(self.handle)) {
+            // Drivers such as lavapipe keep pipelines in a cache of their own, and give out a header alone.
+            let is_new = |data: &Vec<u8>| *data != self.known && data.len() > self.empty.len();
+            let data = self.device.get_pipeline_cache_data(self.handle).ok().filter(is_new);
+            if let (Some(file), Some(data)) = (&self.file, data) {
                 // Without the file, the next start takes longer.
                 if let Err(error) = disk_cache::write(file, data, PIPELINES) {
                     log::warn!("the pipeline cache {} could not be written: {error}", file.display());
@@ -200,7 +206,11 @@ impl Gpu {
         let info = vk::PipelineCacheCreateInfo::default().initial_data(&known);
         // SAFETY: the device is alive; the data was written by this very driver, as its file name and checksum say.
         let handle = unsafe { device.create_pipeline_cache(&info, None) }.named("vkCreatePipelineCache")?;
-        let pipeline_cache = PipelineCache { device: device.raw.clone(), handle, file };
+        let mut pipeline_cache = PipelineCache { device: device.raw.clone(), handle, file, known, empty: Vec::new() };
+        if pipeline_cache.known.is_empty() {
+            // SAFETY: the device and the cache are alive.
+            pipeline_cache.empty = unsafe { device.get_pipeline_cache_data(handle) }.unwrap_or_default();
+        }
         let (allocator, queue, next) = (Mutex::new(allocator), Mutex::new(queue), Mutex::new(()));
         Ok(Gpu(Arc::new(Shared {
             pipeline_cache,

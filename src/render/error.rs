@@ -15,6 +15,11 @@ pub enum RenderError {
     /// The distance field cannot be computed.
     #[error(transparent)]
     Field(#[from] FieldError),
+    /// The object is too small for its scale to be a number.
+    #[error(
+        "{0}: its longest side is {1:e} units, which f32 cannot scale to an object; it must be 1e-37 or more: scale the file"
+    )]
+    Tiny(String, f32),
     /// The scene has no valid program.
     #[error(transparent)]
     Variant(#[from] VariantError),
@@ -45,7 +50,7 @@ pub enum RenderError {
     #[error("recorded pictures support neither several samples per pixel nor half-angle slices; use {0}")]
     Recorded(&'static str),
     /// The scene has no depth.
-    #[error("bent rays and a slice stack viewed from the side have no depth; use {0}")]
+    #[error("bent rays, a slice stack viewed from the side and an eye far away have no depth; use {0}")]
     Depth(&'static str),
     /// The setting is not available to other hosts.
     #[error("{0}: a page or another program cannot draw it; use {1}")]

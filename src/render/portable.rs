@@ -338,7 +338,7 @@ fn all_values(frame: &FrameContext, inputs: &Inputs) -> BTreeMap<String, Vec<f32
     let (reach_steps, margin_steps) = (steps("sample_reach"), steps("box_margin"));
     let [width, height] = scene.image.size.map(|side| side as f32);
     let fit = (width / height).min(1.0);
-    let is_parallel = camera.projection == Projection::Parallel;
+    let is_parallel = scene.projection() == Projection::Parallel;
     let half_height = match is_parallel {
         true => view.ray_scale[1] * fit,
         false => view.extent.distance * fit * (0.5 * camera.field_of_view.to_radians()).sin(),

@@ -135,7 +135,7 @@ impl Scene {
                 return Err(SceneError::value("camera.rotation", format!("{rotation:?}"), limit));
             }
         }
-        camera.lens()?;
+        self.lens()?;
         if camera.shutter > 0.0 && self.quality.supersampling < 2 {
             let limit = "needs quality.supersampling of 2 or more: one moment is not blurred";
             return Err(SceneError::value("camera.shutter", camera.shutter, limit));

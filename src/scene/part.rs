@@ -240,7 +240,10 @@ impl Scene {
             let shared = effect.modules().into_iter().zip(self.effect.modules());
             let shared = shared.filter(|((slot, _), _)| schema::is_shared(slot));
             if let Some(((slot, own), (_, scene))) = shared.into_iter().find(|((_, own), (_, scene))| own != scene) {
-                let limit = format!("{scene}, as effect.{slot} of the scene: all objects share it");
+                let limit = format!(
+                    "{scene}, as effect.{slot} of the scene: all objects share it; set each, as by --set effect.{slot}={scene} --set \
+                     parts.{name}.effect.{slot}={scene}"
+                );
                 return wrong(format!("parts.{name}.effect.{slot}"), own, limit);
             }
         }

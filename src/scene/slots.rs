@@ -2,8 +2,32 @@
 
 use super::header::header;
 use super::{Curve, EmptySpace, Integration, LightMethod, Pass, RayPath, Scene, Storage, TargetFormat};
+use crate::shader::file::{Include, include};
 use crate::shader::slots::{GROOM, NONE, WIND};
-use crate::shader::{Library, Slots};
+use crate::shader::{Library, Slots, tokens};
+use std::collections::BTreeSet;
+
+/// Whether a medium may read the normal that soft matter is lit by.
+fn is_lit(library: &Library, slots: &Slots) -> bool {
+    let media = slots.get("medium").map(|names| library.files("medium", names)).transpose();
+    let Ok(Some(mut left)) = media else { return true };
+    let mut seen = BTreeSet::new();
+    while let Some(path) = left.pop() {
+        let path = path.split('#').next().unwrap_or_default().to_string();
+        if !seen.insert(path.clone()) {
+            continue;
+        }
+        let text = library.text(&path);
+        if tokens(&text).any(|word| word == "shading") {
+            return true;
+        }
+        left.extend(text.lines().filter_map(|line| match include(line) {
+            Some(Include::File(file)) => Some(file.to_string()),
+            _ => None,
+        }));
+    }
+    false
+}
 
 impl Scene {
     /// Entry files of the program in the folder `glsl`: vertex stage, fragment stage.
@@ -38,7 +62,7 @@ impl Scene {
             Integration::Point => None,
         };
         let chosen = [
-            ("projection", camera.projection.name()),
+            ("projection", self.projection().name()),
             ("proxy", quality.proxy.name()),
             ("reject", if quality.discard_empty_fragments { "discard" } else { "keep" }),
             ("shadow", if light.shadows { light.method.name() } else { "none" }),
@@ -82,6 +106,10 @@ impl Scene {
         slots.insert("dmf".into(), effect.dmf.clone());
         if effect.wind == NONE {
             slots.remove(WIND);
+        }
+        // It makes nothing but that normal; `central` also moves samples to where the ray enters dense matter.
+        if effect.gradient == "three" && !is_lit(library, &slots) {
+            slots.insert("gradient".into(), vec!["analytic".into()]);
         }
         if self.groom.is_some() {
             slots.insert(GROOM.into(), vec!["volume".into()]);

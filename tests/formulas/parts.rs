@@ -20,6 +20,9 @@ crate::rows! {
         "one_of_several.glsl": "normal / -width" => "normal / width";
     p09_matter_faces_down_its_density = facing,
         "soft.glsl": "-normalize(a.slope)" => "normalize(a.slope)";
+    p09_thin_matter_has_the_side_that_a_ray_enters = entry,
+        "thin_matter.glsl": "< entry_reach" => "> entry_reach",
+        "thin_matter.glsl": "entered_from) < 0.0" => "entered_from) > 0.0";
     m26_the_normal_of_a_sample_is_that_of_its_distance = analytic,
         "gradient/analytic.glsl": "return s.normal" => "return -s.normal";
     p41_central_differences_of_a_line_are_its_slope = |l| ramp(l, "central"),
@@ -160,6 +163,23 @@ fn facing(library: &Library) -> f64 {
         p
     });
     check.holds(1e-9, |at| if at.p[2][3] < 0.0 { at.place(1) } else { -at.place(0).normalize() }.to_array().to_vec())
+}
+
+/// Of two surfaces within reach of each other the one that faces the ray counts.
+fn entry(library: &Library) -> f64 {
+    let text = "#include \"thin_matter.glsl\"
+        void check() {
+            entered_from = p0.xyz;
+            entry_reach = p0.w;
+            Soft other = Soft(1.0, vec3(0.0), p1.w, p1.xyz, 0.0), chosen = Soft(1.0, vec3(0.0), p2.w, p2.xyz, 0.0);
+            out0.x = enters_through(other, chosen) ? 1.0 : 0.0;
+        }";
+    let check = Check::new(library, &[], text);
+    check.holds(1e-9, |at| {
+        let [from, other, chosen] = [0, 1, 2].map(|index| at.place(index));
+        let is_near = (at.p[1][3] - at.p[2][3]).abs() < at.p[0][3];
+        vec![f64::from(is_near && other.dot(from) > 0.0 && chosen.dot(from) < 0.0), 0.0, 0.0, 0.0]
+    })
 }
 
 const GRADIENT: &str =

@@ -238,3 +238,57 @@ fn random_scenes_are_finite_or_refused() {
         assert!(2 * drawn > count, "{drawn} of {count} were drawn");
     });
 }
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn an_eye_far_away_sees_what_parallel_rays_do() {
+    // Numbers of `camera.matrices`: an eye at a distance, and the same height of the view at the object.
+    let seen = |distance: Option<f32>, aside: f32| {
+        let mut scene = soft("linear", -0.2, 0.2);
+        scene.image.size = [48, 48];
+        let (kind, depth) = distance.map_or((Projection::Parallel, 4.0), |far| (Projection::Perspective, far));
+        let unit = distance.map_or(0.5, |far| far / 2.0);
+        let mut numbers = [0.0; 32];
+        for (at, value) in [(0, 1.0), (5, 1.0), (10, 1.0), (12, aside), (14, -depth), (15, 1.0), (16, unit), (21, unit)]
+        {
+            numbers[at] = value;
+        }
+        match distance {
+            None => (numbers[26], numbers[31]) = (-0.1, 1.0),
+            Some(_) => (numbers[27], numbers[30]) = (-1.0, 0.1),
+        }
+        (scene.camera.projection, scene.camera.matrices) = (kind, Some(numbers));
+        scene
+    };
+    with_gpu(|gpu| {
+        for aside in [0.0, 0.4] {
+            let parallel = finite(gpu, &seen(None, aside));
+            assert!(parallel.pixels.iter().filter(|pixel| pixel[3] > 0.1).count() > 300);
+            for exponent in 3..=30 {
+                let distance = 10f32.powi(exponent);
+                let (max, _) = difference(&parallel, &finite(gpu, &seen(Some(distance), aside)));
+                assert!(max < f64::max(3e-3, 3.0 / f64::from(distance)), "{aside} aside of 1e{exponent}: {max}");
+            }
+        }
+    });
+    // Far away, and beside the axis of view.
+    let refused = seen(Some(1e6), 1e5).check(&shader::shipped()).expect_err("no rays").to_string();
+    assert!(refused.contains("camera.matrices") && refused.contains("f32 holds no rays"), "{refused}");
+}
+
+#[test]
+fn a_view_matrix_of_any_scale_is_one() {
+    for scale in [1e-15f32, 1e-12, 1.0, 1e10] {
+        let mut scene = Scene::default();
+        let mut numbers = [0.0; 32];
+        for at in [0, 5, 10] {
+            numbers[at] = scale;
+        }
+        (numbers[14], numbers[15]) = (-4.0 * scale, 1.0);
+        for (at, value) in [(16, 2.0), (21, 2.0), (27, -1.0), (30, 0.1)] {
+            numbers[at] = value;
+        }
+        scene.camera.matrices = Some(numbers);
+        assert!(scene.check(&shader::shipped()).is_ok(), "{scale:e}");
+    }
+}

@@ -83,14 +83,9 @@ const FIELDS: [(&str, &str); 68] = [
     ("light.scatter", "0.7"),
 ];
 
-/// Settings that are ignored without a report: hair and slices of flames read no normal that the module makes, but a compiler that has
-/// seen it orders what is left in another way; a highlight of strength 0 that is kept is another program. What cannot be
+/// Settings that are ignored without a report: a highlight of strength 0 that is kept is another program. What cannot be
 /// decided is not said.
-const UNDECIDED: [(&str, &str); 3] = [
-    ("fur, blurred", "effect.gradient = three"),
-    ("fur, blurred", "quality.fold_zero_terms = false"),
-    ("fire, slices", "effect.gradient = three"),
-];
+const UNDECIDED: [(&str, &str); 1] = [("fur, blurred", "quality.fold_zero_terms = false")];
 
 /// A scene of few pixels on a formula, whose object looks different from every side.
 fn scene(effect: &str, object: &str, change: impl FnOnce(&mut Scene)) -> Scene {

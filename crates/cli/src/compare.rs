@@ -6,16 +6,18 @@ use super::scene_arguments::{ObjectFlags, SceneArguments};
 use super::sequence::{Interrupted, stop_flag};
 use super::{absolute, announced, say, start, with_progress};
 use clap::Args;
+use hypertexture::field::Progress;
 use hypertexture::gpu::{Gpu, Options};
 use hypertexture::output::{Depth, Provenance, encode_png};
 use hypertexture::render::{Frame, Subject, try_custom_modules};
 use hypertexture::scene::{Scene, to_text};
 use hypertexture_measure::compare::candidates::{Candidate, Sweep, candidates};
 use hypertexture_measure::compare::report::{self, Environment, Report};
-use hypertexture_measure::compare::{Comparison, Session, Settings, compare, paper};
+use hypertexture_measure::compare::{Comparison, Forecast, Session, Settings, compare, paper};
 use hypertexture_measure::reference::{Reference, TOLERANCE, reference};
 use hypertexture_measure::worker::{Load, Worker};
 use hypertexture_support::probe;
+use std::cell::Cell;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -102,14 +104,27 @@ pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<
     let title = title(command);
     let report = announced(quiet, "compare", |progress| -> Result<Report, Box<dyn Error>> {
         progress(0.0);
-        let mut compute_reference = |scene: &Scene| truth(session, scene);
-        let part = |fraction: f32| progress(CANDIDATES * fraction);
-        let forecast = |forecast: &str| {
+        let tell = |line: &str| {
             if !quiet {
-                say(&format!("{forecast}\n"));
+                say(&format!("{line}\n"));
             }
         };
-        let mut comparison = compare(session, &scene, &settings, &mut compute_reference, &forecast, &part)?;
+        let forecast = Forecast::of(session, &scene, &settings)?;
+        tell(&format!("compare    {}", forecast.text()));
+        let (references, candidates) = (Cell::new(0u32), Cell::new(0.0f32));
+        let done = |references: f32, candidates: f32| {
+            CANDIDATES * forecast.done(f64::from(references), f64::from(candidates)) as f32
+        };
+        let mut compute_reference = |scene: &Scene| {
+            let (before, candidates) = (references.get() as f32, candidates.get());
+            references.set(references.get() + 1);
+            truth(session, scene, &|part| progress(done(before + part, candidates)))
+        };
+        let part = |fraction: f32| {
+            candidates.set(fraction);
+            progress(done(references.get() as f32, fraction));
+        };
+        let mut comparison = compare(session, &scene, &settings, &mut compute_reference, &tell, &part)?;
         let mut failures = Vec::new();
         let part = |fraction: f32| progress(CANDIDATES + (1.0 - CANDIDATES) * fraction);
         let table = paper::table(session, &comparison, !command.thorough, &mut failures, &part);
@@ -185,8 +200,7 @@ fn conclude(report: &Report, page: &Path, quiet: bool) -> Result<(), Box<dyn Err
             let own = if group.truth.is_own { ", the scene's own" } else { "" };
             say(&format!("truth {number}    {}{own}\n", group.truth.pattern));
             for row in group.front.iter().map(|&index| &rows[index]) {
-                let (time, error) = row.point();
-                say(&format!("front      {time:9.3} ms  error {error:.2e}  {}\n", row.candidate.label()));
+                say(&format!("front      {}\n", row.text()));
             }
         }
         say(&format!("wrote {}\n", absolute(page)));
@@ -208,7 +222,7 @@ fn conclude(report: &Report, page: &Path, quiet: bool) -> Result<(), Box<dyn Err
 }
 
 /// The exact picture of a scene.
-pub(super) fn truth(session: Session<'_>, scene: &Scene) -> Result<Arc<Reference>, String> {
-    let found = reference(session.library, scene, session.subject, TOLERANCE, &|_| (), session.stop);
+pub(super) fn truth(session: Session<'_>, scene: &Scene, progress: Progress<'_>) -> Result<Arc<Reference>, String> {
+    let found = reference(session.library, scene, session.subject, TOLERANCE, progress, session.stop);
     found.map(Arc::new).map_err(|error| error.to_string())
 }

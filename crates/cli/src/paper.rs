@@ -46,7 +46,7 @@ pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<
     let (environment, object) = (Environment::of(&gpu), file_name(command.input()));
     let replay = announced(quiet, "paper", |progress| {
         progress(0.0);
-        replay(session, plan, &mut |scene: &Scene| truth(session, scene), &|part| progress(part))
+        replay(session, plan, &mut |scene: &Scene| truth(session, scene, &|_| ()), &|part| progress(part))
     });
     let environment = Environment { load_after: load(), ..environment };
     let report = Replayed { object, environment, replay };

@@ -127,20 +127,49 @@ fn nothing_seen(scene: &Scene, subject: &Subject, frame: &Frame) -> Option<Strin
     if frame.pixels.iter().any(|[.., alpha]| *alpha > 0.0) {
         return None;
     }
-    let is_thin = |field: &DistanceField| field.range().0 > scene.object.inner_iso / subject.scale;
-    Some(match subject.field.as_deref().filter(|field| is_thin(field)) {
+    // Samples that lie less than half a voxel deep are lost between two.
+    let deepest = |field: &DistanceField| field.range().0 * subject.scale - scene.object.inner_iso;
+    let voxel = |field: &DistanceField| field.grid.spacing.max_element() * subject.scale;
+    let is_thin = |field: &&DistanceField| deepest(field) > -0.5 * voxel(field);
+    Some(match subject.field.as_deref().filter(is_thin) {
         Some(field) => {
-            let voxel = field.grid.spacing.max_element() * subject.scale;
+            let remedies = remedies(scene, field, voxel(field));
             format!(
-                "no voxel is inside of the object, which has no inside or is thinner than one ({voxel:.2e} object units): a \
-                 larger --resolution, or a shell around its surface by --shell {:.2e}",
-                2.0 * voxel
+                "no voxel is inside of the object by half its side: it has no inside, or is thinner than one ({:.2e} object units); {remedies}",
+                voxel(field)
             )
         }
         None => "no ray meets matter: look at the view (camera.zoom, camera.pan, camera.clip) and at what makes the object opaque \
                  (its iso-values, the transfer map, the parameters of the effect)"
             .into(),
     })
+}
+
+/// Remedies for an object that is thinner than a voxel.
+fn remedies(scene: &Scene, field: &DistanceField, voxel: f32) -> String {
+    let most = |name: &str| match setting(name).map(|setting| setting.kind) {
+        Some(Kind::Whole(range) | Kind::Number(range)) => range.high,
+        _ => f32::INFINITY,
+    };
+    let [finest, thickest] = ["object.resolution", "object.shell"].map(most);
+    let own = scene.object.resolution as f32;
+    // The samples of a scan are those of its file.
+    let spans = field.grid.size.iter().max().copied().unwrap_or(1) as f32;
+    let resolution = (own < finest && spans >= own).then(|| {
+        format!(
+            "a larger --resolution if it is thicker than {:.1e} (the finest voxel, at {finest})",
+            voxel * own / finest
+        )
+    });
+    let shell = (2.0 * voxel <= thickest).then(|| format!("a shell around its surface by --shell {:.2e}", 2.0 * voxel));
+    let all: Vec<String> = resolution.into_iter().chain(shell).collect();
+    match all.is_empty() {
+        true => {
+            "write it with several voxels across its thinnest side, or thicken it in the program that it comes from"
+                .into()
+        }
+        false => all.join(", or "),
+    }
 }
 
 /// Renders a shard of a picture and writes the file.

@@ -100,7 +100,10 @@ impl Render {
         let said = |(name, value): &(String, toml::Value)| format!("{name} = {value}");
         let replaced = set.iter().filter(|field| !after.contains(field));
         let mut all: Vec<String> = replaced.map(|field| format!("{} (--max-error chooses)", said(field))).collect();
-        let moves = |(name, _): &&(String, _)| name.starts_with("animation."); // a picture has no motion
+        // A picture has no motion; a loop changes the noise of one all the same.
+        let is_still = self.motion.times.frames.is_none();
+        let moves =
+            |(name, _): &&(String, _)| name.starts_with("animation.") && !(is_still && name == "animation.loop");
         let own: Vec<String> = set.iter().filter(|field| !moves(field)).map(said).collect();
         all.extend(unused_overrides(library, subject, base, drawn).into_iter().filter(|field| own.contains(field)));
         if self.depth != "8" && (ends(&self.output, "exr") || self.predict) {
@@ -346,7 +349,15 @@ fn explain(pick: &Pick, bound: ErrorBound) -> String {
         Some(why) => format!("by a finer picture (own error {estimate:.0e}): {why}"),
     };
     let below = rounded_up(error).min(bound.error);
-    text += &format!("error      {} at most {below:e}, asked for {:e}; {by}\n", bound.metric, bound.error);
+    // What no sample of the reference met is in no figure but that by proof.
+    let beyond = match pick.unverified.is_none() && pick.verified.by_proof() > bound.error {
+        true => format!(
+            " of what samples meet, and {:.1e} with all that bounds leave open",
+            rounded_up(pick.verified.by_proof())
+        ),
+        false => String::new(),
+    };
+    text += &format!("error      {} at most {below:e}{beyond}, asked for {:e}; {by}\n", bound.metric, bound.error);
     text += &format!(
         "why        {ms:.1} ms; the fastest of {kept} that should fit, of {drawn} drawn small; {left_out} could not fit"
     );

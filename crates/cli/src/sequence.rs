@@ -10,6 +10,7 @@ use hypertexture::render::variant::Variant;
 use hypertexture::render::{Frame, RenderError, Renderer, Subject, SubjectRequest, loop_note, same_pictures};
 use hypertexture::scene::{Color, Scene};
 use hypertexture::shader::Library;
+use hypertexture_support::ending;
 use serde_json::{Value, json};
 use std::error::Error;
 use std::panic::resume_unwind;
@@ -17,9 +18,11 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::thread;
-use std::time::Instant;
-use hypertexture_support::ending;
+use std::time::{Duration, Instant};
 
+/// Time for what a command writes at its end, once a signal has ended its wait for a device. Lower: the report of a
+/// loaded machine is lost. Higher: a command that hangs for another reason ends late.
+const GRACE: Duration = Duration::from_secs(3);
 /// Frames that are compared to detect a still sequence.
 const MOST_TRIED: u32 = 256;
 
@@ -276,8 +279,8 @@ pub fn render_frames(
     )
 }
 
-/// Flag of the first signal: the current frame is finished, unless the device does not answer. The second signal ends the
-/// process at once; files stay whole.
+/// Flag of the first signal: the current frame is finished, unless the device does not answer. The second signal ends
+/// the process at once; files stay whole.
 pub fn stop_flag() -> Result<Arc<AtomicBool>, Box<dyn Error>> {
     static STOP: OnceLock<Arc<AtomicBool>> = OnceLock::new();
     if let Some(stop) = STOP.get() {
@@ -286,7 +289,7 @@ pub fn stop_flag() -> Result<Arc<AtomicBool>, Box<dyn Error>> {
     let stop = Arc::new(AtomicBool::new(false));
     let flag = stop.clone();
     ctrlc::set_handler(move || {
-        ending::begin(i32::from(super::INTERRUPTED), || ());
+        ending::begin(i32::from(super::INTERRUPTED), GRACE, || ());
         flag.store(true, Ordering::Relaxed);
     })
     .map_err(|error| format!("no handler for Ctrl-C: {error}"))?;

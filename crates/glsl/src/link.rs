@@ -289,6 +289,7 @@ vec4 classify(vec3 x, float path) {{
     StepBack part = step_back(x, path);
     bool cut = part.at > 0.0;
     vec3 place = cut ? x + part.at * part.back : x;
+    entry_reach = 0.0;
     Soft all;
 {declared}    for (bool looked = false;; looked = true) {{
 {samples}        all = {combined};
@@ -303,6 +304,8 @@ vec4 classify(vec3 x, float path) {{
         }}
         if (!part.met || part.at <= end) break;
         place = x + part.at * part.back;
+        entered_from = part.back;
+        entry_reach = THIN * part.size;
     }}
     if (all.density <= 0.0 || (cut && !part.met)) return vec4(0.0);
     position_eye += to_eye() * (part.at * path);

@@ -11,11 +11,11 @@ use super::unsaved::Latest;
 use super::window_state::{WindowState, perform};
 use egui::{Event, FullOutput, ViewportCommand, ViewportId};
 use hypertexture::gpu::{GpuError, Messages, Presented};
+use hypertexture_support::ending;
 use std::io::{self, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use hypertexture_support::ending;
 use winit::application::ApplicationHandler;
 use winit::dpi::{LogicalSize, PhysicalSize};
 use winit::event::{StartCause, WindowEvent};
@@ -29,6 +29,9 @@ const SCRIPT_PACE: Duration = Duration::from_millis(16);
 const HIDDEN_PACE: Duration = Duration::from_millis(250);
 /// Color depths that every driver supports.
 const DEPTHS: [u8; 2] = [24, 32];
+
+/// Time for the window to store its work by itself, once a signal has ended the wait for a device.
+const GRACE: Duration = Duration::from_millis(300);
 
 /// Exit code after a second signal, as in shells after Ctrl-C.
 const INTERRUPTED: i32 = 130;
@@ -82,7 +85,7 @@ pub fn run(start: Start) -> Result<(), ViewError> {
     // The first signal stores unsaved work and exits, also if the device does not answer; the second one exits at once.
     let handled = ctrlc::set_handler(move || {
         let noted = noted.clone();
-        ending::begin(INTERRUPTED, move || drop(noted.keep()));
+        ending::begin(INTERRUPTED, GRACE, move || drop(noted.keep()));
         told.store(true, Ordering::Relaxed);
         wake();
     });

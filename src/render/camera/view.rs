@@ -163,7 +163,7 @@ fn farthest(half_size: Vec3, radius: f32, stretch: Vec3) -> f32 {
 /// [`crate::scene::Camera::pan`].
 pub fn half_height(variant: &Variant, subject: &Subject) -> f32 {
     let view = View::of(variant, subject);
-    match variant.scene.camera.projection {
+    match variant.scene.projection() {
         Projection::Perspective => view.ray_scale[1] * view.extent.distance,
         Projection::Parallel => view.ray_scale[1],
     }
@@ -198,7 +198,7 @@ impl View {
         };
         let reach = (shown(0.0) / FILL).max(shown(1.0) / SOFT_FILL);
 
-        let lens = camera.lens().ok().flatten(); // checked with the scene
+        let lens = scene.lens().ok().flatten(); // checked with the scene
         let turn = lens.map_or_else(|| camera.turn(), |lens| lens.turn);
         let stretch = Vec3::from(scene.object.stretch);
         let half_height = reach * stretch.max_element() / camera.zoom;
@@ -208,11 +208,15 @@ impl View {
         let half_angle = 0.5 * camera.field_of_view.to_radians();
         let half_size = (box_max - center).max(center - box_min);
         let (soft_radius, radius) = (ball(Vec3::ZERO), farthest(half_size, ball(center), stretch));
-        let is_parallel = camera.projection == Projection::Parallel;
+        let (projected, nearest) = (scene.projection(), Vec3::new(0.0, 0.0, -(2.0 * radius + NEAR)));
+        let is_parallel = projected == Projection::Parallel;
         let (center_eye, ray_scale, pan) = match lens {
-            Some(lens) => (lens.turn * center + lens.origin, lens.ray_scale, lens.pan),
+            Some(lens) => {
+                let origin = if lens.is_far { nearest } else { lens.origin };
+                (lens.turn * center + origin, lens.ray_scale, lens.pan)
+            }
             None => {
-                let (distance, y) = match camera.projection {
+                let (distance, y) = match projected {
                     Projection::Perspective => (half_height / fit / half_angle.sin(), half_angle.tan()),
                     Projection::Parallel => (2.0 * radius + NEAR, half_height / fit),
                 };
@@ -225,7 +229,7 @@ impl View {
         };
         let distance = -center_eye.z;
         let ([x, y], far) = (ray_scale, (distance + 2.0 * radius).max(NEAR));
-        let projection = match (camera.projection, lens) {
+        let projection = match (projected, lens) {
             (Projection::Parallel, _) => rh::proj::vulkan::orthographic(-x, x, -y, y, 0.0, far),
             (_, None) => rh::proj::vulkan::perspective_infinite_reverse(2.0 * half_angle, aspect, NEAR),
             (_, Some(_)) => rh::proj::vulkan::perspective_infinite_reverse(2.0 * y.atan(), x / y, NEAR),
@@ -258,6 +262,13 @@ impl View {
             pan,
             slice_stack: camera.slice_stack,
         }
+    }
+
+    /// Position of the eye in object space, where it may be in matter; `None` of parallel rays, and outside of the scene's box.
+    pub(crate) fn eye(&self) -> Option<Vec3> {
+        let eye = self.texture_matrix.transform_point3(Vec3::ZERO);
+        let is_within = self.box_min.cmple(eye).all() && eye.cmple(self.box_max).all();
+        (is_within && self.extent.near + self.extent.radius > self.extent.distance).then_some(eye)
     }
 
     /// Planes of the slices. Half-angle slices are complete, since the light passes through all of them.
@@ -300,7 +311,7 @@ pub(crate) fn axis(scene: &Scene) -> Vec3 {
 pub(crate) fn slant(scene: &Scene, view: &View) -> f32 {
     let farthest = (Vec2::from(view.pan).abs() + 1.0) * Vec2::from(view.ray_scale);
     let signs = [Vec2::ONE, Vec2::NEG_ONE, Vec2::new(1.0, -1.0), Vec2::new(-1.0, 1.0)];
-    let along = signs.map(|sign| match scene.camera.projection {
+    let along = signs.map(|sign| match scene.projection() {
         Projection::Parallel => Vec3::NEG_Z,
         Projection::Perspective => (sign * farthest).extend(-1.0),
     });

@@ -42,7 +42,7 @@ impl ViewPose {
             radius: view.shown_radius,
             ray_scale: view.ray_scale.into(),
             pan: view.pan.into(),
-            is_parallel: variant.scene.camera.projection == Projection::Parallel,
+            is_parallel: variant.scene.projection() == Projection::Parallel,
         }
     }
 

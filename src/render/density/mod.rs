@@ -7,5 +7,5 @@ mod program;
 
 pub use error::PolygonizeError;
 pub use polygonize::{Polygons, polygonize, polygonize_with_looks};
-pub(crate) use program::DensityProgram;
 pub use program::{Along, densities, density_along, object_along, samples_along};
+pub(crate) use program::{DensityProgram, density_at};

@@ -14,7 +14,7 @@ use crate::render::variant::{Checkable, OCTAVES_ID, Purpose, Variant, as_density
 use crate::scene::{Projection, Scene};
 use crate::shader::slots::MAIN;
 use crate::shader::{Library, Linker};
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 /// Points in a batch.
@@ -108,6 +108,21 @@ impl Density<'_> {
     }
 }
 
+/// Density of a scene at a place, object space.
+///
+/// # Errors
+/// As [`densities`].
+pub(crate) fn density_at(
+    library: &Library,
+    scene: &impl Checkable,
+    subject: &Subject,
+    at: Vec3,
+) -> Result<f64, PolygonizeError> {
+    let program = DensityProgram::of(library, &*scene.checked(library)?, subject)?;
+    let found = program.bound(0.0)?.at(&[at.as_dvec3()])?;
+    Ok(found.first().copied().unwrap_or_default())
+}
+
 /// Histogram of the density over the soft region, at the first moment of a scene: `places` points of the plastic number
 /// sequence (M. Roberts 2018), counted in `bins` equal bins of the densities above 0, up to 1.
 ///
@@ -168,7 +183,7 @@ impl Sight {
             (2.0 * f64::from(pixel[axis]) + 1.0) / side - 1.0 - f64::from(view.pan[axis])
         });
         let across = DVec3::new(ndc[0] * f64::from(view.ray_scale[0]), -ndc[1] * f64::from(view.ray_scale[1]), 0.0);
-        let [from, to] = match scene.camera.projection {
+        let [from, to] = match scene.projection() {
             Projection::Perspective => [DVec3::ZERO, across - DVec3::Z],
             Projection::Parallel => [across, across - DVec3::Z],
         };

@@ -1,11 +1,15 @@
 //! Warnings: settings that render correctly but are probably a mistake.
 
+use crate::render::camera::View;
+use crate::render::density::density_at;
 use crate::render::measurements::Measurements;
 use crate::render::subject::Subject;
 use crate::render::variant::Variant;
+use crate::scene::schema::{Kind, setting};
 use crate::scene::{Pass, Scene, ShaderStage, TargetFormat};
 use crate::shader::Library;
 use crate::shape::{self, Shape, Solid};
+use glam::Vec3;
 
 /// Invisible opacity: half a code of 8 bits.
 const UNSEEN: f32 = 1.0 / 510.0;
@@ -28,6 +32,7 @@ pub fn warnings(m: &Measurements, variant: &Variant, subject: &Subject, library:
         terraces(m, subject),
         thin_shell(scene, subject),
         guessed_sign(scene, subject),
+        eye_inside(variant, subject, library),
         proposed_iso(subject),
         loop_note(variant),
     ];
@@ -130,11 +135,36 @@ fn proposed_iso(subject: &Subject) -> Option<String> {
 fn thin_shell(scene: &Scene, subject: &Subject) -> Option<String> {
     let (shell, voxel) = (scene.object.shell, subject.scale * subject.field.as_ref()?.grid.spacing.max_element());
     (shell > 0.0 && shell < 2.0 * voxel).then(|| {
-        let needed = (scene.object.resolution as f32 * 2.0 * voxel / shell).ceil();
-        format!(
-            "object.shell = {shell} is less than two voxels ({:.2e}) and may have holes; object.resolution = {needed} prevents them",
-            2.0 * voxel
-        )
+        let resolution = scene.object.resolution as f32;
+        let (needed, most) = ((resolution * 2.0 * voxel / shell).ceil(), finest());
+        let remedy = match needed <= most {
+            true => format!("object.resolution = {needed} prevents them"),
+            false => format!(
+                "no resolution prevents them: a shell of {:.1e} needs the finest, {most}",
+                2.0 * voxel * resolution / most
+            ),
+        };
+        format!("object.shell = {shell} is less than two voxels ({:.2e}) and may have holes; {remedy}", 2.0 * voxel)
+    })
+}
+
+/// The largest object.resolution.
+fn finest() -> f32 {
+    match setting("object.resolution").map(|setting| setting.kind) {
+        Some(Kind::Whole(range)) => range.high,
+        _ => f32::INFINITY,
+    }
+}
+
+/// The eye is inside hard matter.
+fn eye_inside(variant: &Variant, subject: &Subject, library: &Library) -> Option<String> {
+    let eye = View::of(variant, subject).eye()?;
+    let is_cut = variant.scene.camera.clip.is_some_and(|[x, y, z, most]| Vec3::new(x, y, z).dot(eye) > most);
+    let density = if is_cut { 0.0 } else { density_at(library, variant, subject, eye).ok()? };
+    (density >= 1.0).then(|| {
+        "the eye is inside hard matter: rays end at their first sample, and no surface is seen; move the eye out \
+         (--camera, camera.matrices), or cut the object open (camera.clip)"
+            .into()
     })
 }
 

@@ -41,6 +41,9 @@ pub(crate) fn by_rays(scene: &Scene, library: &Library) -> Result<Variant, Rende
     if scene.camera.slice_stack {
         return Err(RenderError::Depth("camera.slice_stack = false"));
     }
+    if scene.projection() != scene.camera.projection {
+        return Err(RenderError::Depth("an eye that is nearer: f32 holds no depths from there"));
+    }
     let mut scene = scene.clone();
     (scene.quality.pass, scene.quality.msaa, scene.quality.supersampling) = (Pass::March, 1, 1);
     scene.light.shadows = false;

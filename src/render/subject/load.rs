@@ -190,6 +190,9 @@ impl Subject {
             None => (0.5 * (low + high), 2.0 / (high - low).max_element()),
             Some(own) => (own.center + up.turned(own.offset - offset).as_vec3(), own.scale),
         };
+        if scale.is_infinite() {
+            return Err(RenderError::Tiny(input, (high - low).max_element()));
+        }
         // Squares of tiny lengths underflow f32; scaling by a power of two is exact.
         let handy = scale.log2().floor().exp2();
         let radius =

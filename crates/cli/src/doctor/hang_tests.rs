@@ -4,6 +4,7 @@ use super::probes::{Bench, LOOPS};
 use crate::sequence::stop_flag;
 use hypertexture::gpu::{Gpu, GpuError, Options};
 use hypertexture::shader::{self, Linker};
+use hypertexture_support::ending;
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 use std::sync::atomic::Ordering;
@@ -26,6 +27,7 @@ fn waits_for_a_device() {
     let error = bench.draw(&LOOPS).map(|_| ()).unwrap_err().to_string();
     println!("\n{error} {}", stop.load(Ordering::Relaxed));
     assert_eq!(error, GpuError::Interrupted { what: "self-test".into() }.to_string());
+    ending::finish(0);
 }
 
 #[test]
@@ -46,6 +48,8 @@ fn a_signal_ends_a_wait_for_a_device() {
     assert!(Command::new("kill").arg(child.id().to_string()).status().unwrap().success());
     let said: Vec<String> = lines.collect();
     child.wait().unwrap();
-    println!("ended {:.2} s after the signal", asked.elapsed().as_secs_f64() - 0.3);
+    let ended = asked.elapsed().saturating_sub(Duration::from_millis(300));
+    println!("ended {:.2} s after the signal", ended.as_secs_f64());
+    assert!(ended < Duration::from_secs(3), "the signal waited for the device: {ended:?}");
     assert!(said.contains(&"interrupted: the device had not finished `self-test` true".into()), "{said:?}");
 }

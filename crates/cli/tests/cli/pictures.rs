@@ -65,6 +65,13 @@ fn what_changes_nothing_is_said_in_one_line() {
     assert_eq!(ignored("torus --effect shells --shadows"), "light.shadows = true");
     assert_eq!(ignored("fire_ball"), "", "what a preset sets is not said");
     assert_eq!(ignored("torus --depth 16 -o a.exr"), "--depth 16");
+    for effect in ["fire", "fur"] {
+        let said = ignored(&format!("torus --effect {effect} --gradient three"));
+        assert_eq!(said, "effect.gradient = \"three\"", "{effect} reads no normal of soft matter");
+        let said = ignored(&format!("torus --effect {effect} --gradient central"));
+        assert_eq!(said, "", "{effect} is drawn where rays enter dense matter");
+    }
+    assert_eq!(ignored("torus --effect lit --set animation.loop=5"), "animation.loop = 5.0");
     let out = desk.good("render torus --module dmf=biased --set density_bias=0.7 --size 24x24 --samples 16");
     assert!(out.contains("dmf=biased") && !out.contains("ignored"), "a DMF makes a hard object soft: {out}");
     fs::write(desk.file("scene.toml"), "preset = \"fire\"\nobject.input = \"torus\"\nquality.seed = 4\n").unwrap();
@@ -552,4 +559,66 @@ fn a_bench_is_a_table_and_says_what_got_slower_than_a_saved_one() {
     let (code, said, error) = bench("--quick --repeat 1 --baseline other.json");
     assert!(code == Some(2) && error.contains("other.json: it was measured on another"), "{error}");
     assert!(said.is_empty(), "it is refused before anything is timed: {said}");
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn an_object_thinner_than_a_voxel_gets_advice_that_works() {
+    let desk = Desk::new();
+    let needle = BOX.replace(".5", ".00005").replace(".25", ".00005");
+    desk.write("needle.obj", &needle);
+    let mut line = b"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 1 1 32\nencoding: raw\n\n".to_vec();
+    line.extend((0..32).map(|z| if (8..24).contains(&z) { 200u8 } else { 0 }));
+    fs::write(desk.file("line.nrrd"), line).unwrap();
+    for input in ["needle.obj", "line.nrrd --iso 100"] {
+        let said = desk.good(&format!("render {input} {SMALL}"));
+        let empty = said.lines().find(|line| line.starts_with("empty ")).unwrap_or_else(|| panic!("{input}: {said}"));
+        assert!(empty.contains("thinner than one"), "{input}: {empty}");
+        match empty.split_once("--shell") {
+            Some((_, remedy)) => {
+                let said = desk.good(&format!("render {input} --shell {remedy} {SMALL}"));
+                assert!(!said.contains("\nempty "), "{input}: the remedy shows it: {said}");
+            }
+            None => assert!(empty.contains("several voxels across"), "{input}: {empty}"),
+        }
+    }
+    let said = desk.good(&format!("render sphere --effect lit --shell 1e-9 {SMALL}"));
+    assert!(said.contains("no resolution prevents them") && said.contains("the finest, 1024"), "{said}");
+    let face = "v 0 0 0\nv 1e-40 0 0\nv 0 1e-40 0\nv 0 0 1e-40\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    let rows: [(&str, &[&str]); 1] = [("render tiny.obj -o out.png", &["tiny.obj", "1e-37 or more"])];
+    refused(|desk: &Desk| desk.write("tiny.obj", face), &rows);
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn an_eye_in_hard_matter_is_told() {
+    let desk = Desk::new();
+    let told =
+        |arguments: &str| desk.good(&format!("render {arguments} {SMALL}")).contains("the eye is inside hard matter");
+    assert!(told("sphere --effect lit --camera 0,0,100"));
+    assert!(told(
+        "sphere --set effect.classify=soft --set effect.softness=linear --set object.outer_iso=0.3 --camera 0,0,20"
+    ));
+    assert!(!told("sphere --effect lit"));
+    assert!(!told("sphere --effect lit --camera 0,0,100 --clip 0,0,1,-0.5"), "the eye is in what is cut away");
+    let soft = "--set effect.classify=soft --set effect.softness=quadratic";
+    let said =
+        desk.good(&format!("render sphere {soft} --set object.inner_iso=-2 --set object.outer_iso=-1.5 {SMALL}"));
+    assert!(said.contains("\nempty "), "no place is that deep: {said}");
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn an_unchanged_pipeline_cache_is_not_written_again() {
+    let desk = Desk::new();
+    let files = || -> Vec<(std::path::PathBuf, std::time::SystemTime)> {
+        let folder = fs::read_dir(desk.file("..").join("cache")).into_iter().flatten().flatten();
+        let all = folder.filter(|file| file.file_name().to_string_lossy().starts_with("pipelines-"));
+        all.map(|file| (file.path(), file.metadata().unwrap().modified().unwrap())).collect()
+    };
+    desk.good(&format!("render torus {SMALL}"));
+    let first = files();
+    desk.good(&format!("render torus {SMALL}"));
+    assert_eq!(files(), first);
+    assert!(first.iter().all(|(path, _)| fs::metadata(path).unwrap().len() > 128), "a header alone helps nobody");
 }

@@ -34,6 +34,10 @@ fn arguments_that_make_no_sense_are_refused_in_one_line() {
             ("render torus --samples 0", &["quality.samples = 0", "from 1 to 100000"]),
             ("render torus --samples -3", &["quality.samples = -3", "from 1 to 100000", "(--samples)"]),
             ("render torus --msaa 3", &["quality.msaa = 3: must be 1, 2, 4 or 8"]),
+            (
+                "render ensemble --set effect.weights=cubic",
+                &["all objects share it", "--set parts.bite.effect.weights=cubic"],
+            ),
             ("render torus --anisotropy 99", &["quality.anisotropy = 99", "from 1 to 16"]),
             ("render torus --clip 1,0,0", &["camera.clip = 1,0,0", "4 numbers", "commas", "(--clip)"]),
             ("render torus --clip 0,0,0,1", &["camera.clip", "normal of the plane"]),

@@ -51,6 +51,11 @@ impl GroundTruths {
         Ok(GroundTruths { own: Some(truth_of(scene, library)?), known: Vec::new() })
     }
 
+    /// Whether a scene has the truth of the scene that is compared.
+    pub(super) fn is_own(&self, library: &Library, scene: &Scene) -> bool {
+        truth_of(scene, library).ok() == self.own
+    }
+
     /// How many truths there are with those of more scenes.
     pub(super) fn count<'a>(&self, library: &Library, scenes: impl Iterator<Item = &'a Scene>) -> usize {
         let mut all: Vec<Scene> = self.known.iter().map(|(truth, _)| truth.clone()).collect();

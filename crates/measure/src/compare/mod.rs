@@ -12,6 +12,7 @@
 mod answers;
 pub mod candidates;
 mod digits;
+mod forecast;
 pub mod front;
 mod ground_truths;
 pub mod metrics;
@@ -23,6 +24,7 @@ mod ssim;
 mod theory;
 pub mod timing;
 
+pub use forecast::Forecast;
 pub use ground_truths::GroundTruth;
 
 use crate::metric::{Errors, NotFinite};
@@ -37,9 +39,8 @@ use hypertexture::shader::{Library, LibraryError};
 use hypertexture_support::random::SplitMix;
 use metrics::{Angles, Metrics};
 use normals::Normals;
-use std::cell::Cell;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 use timing::{FEWEST_RUNS, Run, Spread, interleave};
 
 /// Background of a scene that has none, where a person looks at the picture: that of the gallery.
@@ -78,7 +79,9 @@ pub enum CompareError {
     #[error(transparent)]
     Scene(#[from] SceneError),
     /// Every candidate is refused.
-    #[error("no candidate is left; sweep fewer samples")]
+    #[error(
+        "no candidate is left: the scene refuses all samples and strategies asked for; give others by --sweep or --strategies"
+    )]
     Nothing,
     /// A picture of the report cannot be made.
     #[error(transparent)]
@@ -124,6 +127,12 @@ impl Row {
     /// Time and linear error: the axes of the report.
     pub fn point(&self) -> (f64, f64) {
         (self.time().median, self.metrics.errors.rmse)
+    }
+
+    /// Time, error and settings in words.
+    pub fn text(&self) -> String {
+        let (time, error) = self.point();
+        format!("{time:9.3} ms  error {error:.2e}  {}", self.candidate.label())
     }
 
     /// How much is had for the time, 1 / (mean square error x seconds).
@@ -229,9 +238,9 @@ impl<'a> Session<'a> {
     }
 }
 
-/// Draws, measures and times every candidate for a scene; `compute_reference` gives the truth of a scene. A quick sweep without
-/// samples of its own goes on with more of them along the front. `forecast` hears once, behind the first candidate, how
-/// long it will take at its pace, in words. Stopped, it keeps the candidates that were timed.
+/// Draws, measures and times every candidate for a scene, those of the scene's own truth first; `compute_reference` gives the truth
+/// of a scene. A quick sweep without samples of its own goes on with more of them along the front. `tell` hears the front of the
+/// scene's own truth, line by line, once its candidates are timed. Stopped, it keeps the candidates that were timed.
 ///
 /// # Errors
 /// The scene has no candidate. What goes wrong with one of several is a [`Failure`].
@@ -240,20 +249,13 @@ pub fn compare(
     scene: &Scene,
     settings: &Settings,
     compute_reference: &mut ComputeReference<'_>,
-    forecast: &dyn Fn(&str),
+    tell: &dyn Fn(&str),
     progress: &dyn Fn(f32),
 ) -> Result<Comparison, CompareError> {
-    let (began, in_truths) = (Instant::now(), Cell::new(Duration::ZERO));
-    let mut compute_reference = |scene: &Scene| {
-        let start = Instant::now();
-        let found = compute_reference(scene);
-        in_truths.set(in_truths.get() + start.elapsed());
-        found
-    };
     let mut waiting: Vec<(usize, Candidate)> =
         candidates::candidates(scene, session.library, &settings.sweep)?.into_iter().enumerate().collect();
     let mut random = SplitMix(SEED);
-    random.shuffle(&mut waiting); // so that a batch holds a bit of everything
+    random.shuffle(&mut waiting); // so that a batch holds a bit of everything of its truth
     let mut normals = Normals::new(session, scene);
     let mut rows: Vec<(usize, Row)> = Vec::new();
     let mut comparison = Comparison {
@@ -264,9 +266,11 @@ pub fn compare(
         partial: false,
     };
     let mut truths = GroundTruths::new(scene, session.library)?;
+    // The last is taken first.
+    waiting.sort_by_cached_key(|(_, candidate)| truths.is_own(session.library, &candidate.scene));
     let goes_on = settings.sweep.quick && settings.sweep.samples.is_none();
     let mut swept: Option<Instant> = None;
-    let mut is_first = true;
+    let mut is_told = false;
     while !(session.stop)() {
         if waiting.is_empty() {
             if !goes_on || swept.get_or_insert_with(Instant::now).elapsed() > refine::BUDGET {
@@ -283,10 +287,15 @@ pub fn compare(
         let mut batch: Vec<(usize, Row, Painter<'_>)> = Vec::new();
         let mut bytes = 0;
         while bytes < BATCH_BYTES && batch.len() < BATCH && !(session.stop)() {
-            let Some((index, candidate)) = waiting.pop() else { break };
+            let is_own = |(_, next): &mut (usize, Candidate)| truths.is_own(session.library, &next.scene);
+            let is_of_batch = batch.first().map(|(_, row, _)| row.truth.is_own);
+            let Some((index, candidate)) = waiting.pop_if(|next| is_of_batch.is_none_or(|own| own == is_own(next)))
+            else {
+                break;
+            };
             let mut renderer = session.painter();
             let label = candidate.label();
-            match first(session.library, candidate, &mut renderer, &mut truths, &mut compute_reference) {
+            match first(session.library, candidate, &mut renderer, &mut truths, compute_reference) {
                 Ok(mut row) => {
                     bytes += row.first.measurements.device_bytes;
                     row.normals = normals.angles(&row.candidate.scene);
@@ -295,19 +304,6 @@ pub fn compare(
                 Err(_) if (session.stop)() => {} // whatever it was in the middle of
                 Err(message) => comparison.failures.push(Failure { label, message }),
             }
-            if std::mem::take(&mut is_first) {
-                let scenes = waiting.iter().map(|(_, candidate)| &candidate.scene);
-                let (candidates, truths) = (waiting.len() + 1, truths.count(session.library, scenes));
-                let full = usize::from(!settings.sweep.quick);
-                let runs = Duration::from_secs_f64(1e-3 * (REPEAT_MS[full] + WARM_MS[full]));
-                let each = began.elapsed().saturating_sub(in_truths.get()) + runs;
-                let front = if goes_on { refine::BUDGET } else { Duration::ZERO };
-                let time = in_truths.get() * (truths as u32 - 1) + each * candidates as u32 + front;
-                let minutes = (time.as_secs_f64() / 60.0).ceil();
-                forecast(&format!(
-                    "compare    {candidates} candidates, {truths} truths: about {minutes} min, if the machine stays as busy"
-                ));
-            }
             progress((planned - waiting.len()) as f32 / planned as f32 - 0.5 * batch.len() as f32 / planned as f32);
         }
         let done = (planned - waiting.len()) as f32 / planned as f32;
@@ -315,11 +311,26 @@ pub fn compare(
         let within = |fraction: f32| progress(done - share * (1.0 - fraction));
         comparison.failures.extend(time(&mut batch, settings, &mut random, session, &within));
         rows.extend(batch.into_iter().filter(|(_, row, _)| !row.runs.is_empty()).map(|(index, row, _)| (index, row)));
+        // Those of the own truth are taken first.
+        let is_own = |(_, next): &(usize, Candidate)| truths.is_own(session.library, &next.scene);
+        if !is_told && waiting.last().is_some_and(|next| !is_own(next)) {
+            is_told = true;
+            first_table(&rows, tell);
+        }
     }
     comparison.partial = (session.stop)();
     rows.sort_by_key(|(index, row)| (*index, row.candidate.samples()));
     comparison.rows = rows.into_iter().map(|(_, row)| row).collect();
     Ok(comparison)
+}
+
+/// Tells the front of the scene's own truth.
+fn first_table(rows: &[(usize, Row)], tell: &dyn Fn(&str)) {
+    let own: Vec<&Row> = rows.iter().map(|(_, row)| row).filter(|row| row.truth.is_own).collect();
+    let points: Vec<(f64, f64)> = own.iter().map(|row| row.point()).collect();
+    for row in front::front(&points).into_iter().map(|index| own[index]) {
+        tell(&format!("so far     {}", row.text()));
+    }
 }
 
 /// A candidate's first picture, held against its truth.

@@ -16,6 +16,13 @@ pub struct ErrorBound {
     pub error: f64,
 }
 
+impl Verified {
+    /// Upper bound of the error with all the opacity that bounds of the reference leave open.
+    pub fn by_proof(&self) -> f64 {
+        self.error - self.estimate + self.open
+    }
+}
+
 impl ErrorBound {
     /// A bound on an error.
     ///
@@ -78,17 +85,24 @@ pub enum PickError {
     /// The scene cannot be drawn.
     #[error(transparent)]
     Render(#[from] RenderError),
-    /// No settings draw it.
+    /// The candidates cannot be made.
     #[error(transparent)]
-    Compare(#[from] CompareError),
+    Compare(CompareError),
+    /// Every candidate is refused.
+    #[error(
+        "no settings are left to draw this scene with: each pass and integration is refused; draw it without a largest error to read why"
+    )]
+    Nothing,
     /// Stopped by the caller.
     #[error("stopped")]
     Stopped,
     /// No candidate is that accurate.
     #[error(
-        "no settings draw this scene with a {metric} error of {asked:e}: the nearest, {nearest}, has {}; {}try another `--metric`",
+        "no settings draw this scene with a {metric} error of {asked:e}: the nearest, {nearest}, has {}{}; {}try another `--metric`",
         known(*found, *own),
-        allow.map(|error| format!("{error:e} can be kept: allow that, or ")).unwrap_or_default()
+        compared.map(|[some, all]| format!(" in the {some} of {all} pixels compared")).unwrap_or_default(),
+        allow.map(|error| format!("{error:e} can be kept: allow that{}, or ", compared.map_or("", |_| ", which bounds all of them")))
+            .unwrap_or_default()
     )]
     Bound {
         /// Metric of the error.
@@ -101,9 +115,21 @@ pub enum PickError {
         own: f64,
         /// Error of the nearest, or an upper bound of it.
         found: f64,
+        /// Compared pixels and all, where it is an estimate from these.
+        compared: Option<[usize; 2]>,
         /// A bound that was tried and kept.
         allow: Option<f64>,
     },
+}
+
+impl From<CompareError> for PickError {
+    fn from(error: CompareError) -> PickError {
+        match error {
+            CompareError::Nothing => PickError::Nothing,
+            CompareError::Render(error) => PickError::Render(error),
+            other => PickError::Compare(other),
+        }
+    }
 }
 
 /// An error, with the share of the reference if that is above a tenth.

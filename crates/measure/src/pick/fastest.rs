@@ -63,7 +63,7 @@ fn advise(
     refused: PickError,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<(PickError, Option<(ErrorBound, Pick)>), PickError> {
-    let PickError::Bound { metric, asked, nearest, own, found, .. } = refused else { return Err(refused) };
+    let PickError::Bound { metric, asked, nearest, own, found, compared, .. } = refused else { return Err(refused) };
     let mut error = found;
     let mut advised = None;
     for _ in 0..ADVISED_TIMES {
@@ -81,7 +81,7 @@ fn advise(
         }
     }
     let allow = advised.as_ref().map(|(bound, _)| bound.error);
-    Ok((PickError::Bound { metric, asked, nearest, own, found, allow }, advised))
+    Ok((PickError::Bound { metric, asked, nearest, own, found, compared, allow }, advised))
 }
 
 /// [`pick`] without advice.

@@ -3,12 +3,12 @@
 use super::bound::{ErrorBound, PickError, Verified};
 use super::candidates::{Families, SAMPLES, with_samples};
 use super::reference_sample::{ReferenceSample, draw};
+use crate::compare::Session;
 use crate::compare::candidates::{Candidate, Curve};
-use crate::compare::{CompareError, Session};
 use crate::reference::ReferenceError;
 use crate::worker::Painter;
 use hypertexture::render::{Frame, RenderError};
-use hypertexture::scene::{Pass, Scene, TargetFormat};
+use hypertexture::scene::{Scene, TargetFormat};
 use hypertexture::shader::Library;
 use std::time::{Duration, Instant};
 
@@ -104,7 +104,7 @@ impl<'a> Search<'a> {
             }
         });
         let Some((look, frame)) = first else {
-            return Err(failed.into_iter().next().map_or(CompareError::Nothing.into(), |(_, error)| error.into()));
+            return Err(failed.into_iter().next().map_or(PickError::Nothing, |(_, error)| error.into()));
         };
         let by_reference = ReferenceSample::by_reference(session, &look, OWN * bound.error).and_then(|mut sample| {
             let scores = sample.scores(&frame, &frame, bound);
@@ -187,10 +187,14 @@ impl<'a> Search<'a> {
         let ErrorBound { metric, error: asked } = self.bound;
         let Some((nearest, verified)) = nearest else {
             let failed = self.failed.drain(..).next();
-            return failed.map_or(CompareError::Nothing.into(), |(_, error)| error.into());
+            return failed.map_or(PickError::Nothing, |(_, error)| error.into());
         };
-        let (nearest, found, own) = (self.candidate(nearest).label(), verified.error, verified.estimate);
-        PickError::Bound { metric, asked, nearest, own, found, allow: None }
+        let (nearest, size) = (self.candidate(nearest), verified.pixels[0]);
+        let all = nearest.scene.image.size.iter().map(|side| *side as usize).product();
+        let (nearest, found, own) = (nearest.label(), verified.error, verified.estimate);
+        // Without a bound of the pixels that were not compared.
+        let compared = (verified.error == verified.found && size < all).then_some([size, all]);
+        PickError::Bound { metric, asked, nearest, own, found, compared, allow: None }
     }
 
     /// Factor from the error of a small picture to that of the whole: of the method itself, or the geometric mean of all.
@@ -329,8 +333,10 @@ impl<'a> Search<'a> {
     fn is_hopeless(&self, index: usize) -> bool {
         let method = &self.methods[index];
         let is_begun = !method.trials.is_empty();
-        // Rays of the first strategy, whose noise has no error of its own, are as accurate as any other method.
-        let is_exact = method.curve.strategy == self.methods[0].curve.strategy && method.curve.pass == Pass::March;
+        // The first pass and strategy, whose noise has no error of its own, is as accurate as any other method: rays, where the scene
+        // has any.
+        let first = &self.methods[0].curve;
+        let is_exact = method.curve.strategy == first.strategy && method.curve.pass == first.pass;
         let has_time = !self.is_late() || self.fastest().is_none() && is_exact;
         method.has_failed || !is_begun && (!has_time || self.is_slow_or_flat(index))
     }

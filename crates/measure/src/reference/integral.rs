@@ -6,20 +6,20 @@
 //! opaque is halved until it is too short to be seen: that is where the surface is. A piece whose samples find nothing
 //! is left alone only where bounds of the extinction say that nothing in it can be seen.
 //! Invariants: colors of a piece are mixed with positive weights and an opacity in [0, 1], so stiff matter stays stable.
-//! The unproven opacity of bounds is stated beside the error estimated from samples.
+//! The opacity that bounds leave undecided is stated beside the error estimated from samples, all of it: see [`proof`](super::proof).
 
 use super::transport::{Matter, Transport};
 
 /// A piece of a ray with samples at its ends, its middle and between.
 #[derive(Clone, Copy, Debug)]
-struct Piece {
-    from: f64,
-    length: f64,
+pub(super) struct Piece {
+    pub(super) from: f64,
+    pub(super) length: f64,
     samples: [Matter; 5],
-    extinction: Extinction,
+    pub(super) extinction: Extinction,
     /// Its halves get bounds of their own.
     asks: bool,
-    fine: Transport,
+    pub(super) fine: Transport,
     error: f64,
 }
 
@@ -32,19 +32,41 @@ impl Piece {
         // Where it becomes opaque within, Simpson's rule says nothing about its error.
         let hit = !opaque(&a) && samples.iter().any(opaque);
         let error = if hit { 1.0 } else { coarse.differs(fine) };
-        Piece { from, length, samples, extinction, asks: false, fine, error }
+        let mut piece = Piece { from, length, samples, extinction, asks: false, fine, error };
+        if !hit {
+            // Both rules call a piece dark in which one sample met a thin shell.
+            let by_chance = if fine.transmittance < SATURATED && piece.has_edge() { piece.clear() } else { 0.0 };
+            let [most, least] = extinction.transmittance(length);
+            let disproved = (fine.transmittance - most).max(least - fine.transmittance);
+            piece.error = error.max(by_chance - fine.transmittance).max(disproved);
+        }
+        piece
     }
 
     /// Whether all samples are clear.
-    fn looks_empty(&self) -> bool {
+    pub(super) fn looks_empty(&self) -> bool {
         self.samples.iter().all(|matter| matter.extinction <= 0.0)
     }
 
-    /// The opacity that samples may have overlooked: all that there may be where they found nothing, and elsewhere what
-    /// bounds leave open.
-    fn overlooked(&self) -> f64 {
-        let [most, least] = self.extinction.transmittance(self.length);
-        if self.looks_empty() { 1.0 - least } else { most - least }
+    /// Whether matter begins or ends between samples.
+    pub(super) fn has_edge(&self) -> bool {
+        !self.looks_empty() && self.samples.iter().any(|matter| matter.extinction <= 0.0)
+    }
+
+    /// The most light that comes through, by bounds or by samples: between two of these, matter is at least as thick as at the
+    /// thinner.
+    fn clear(&self) -> f64 {
+        if self.is_hit() {
+            return 0.0;
+        }
+        let [most, _] = self.extinction.transmittance(self.length);
+        let thinner = self.samples.windows(2).map(|pair| pair[0].extinction.min(pair[1].extinction));
+        most.min((-0.25 * self.length * thinner.sum::<f64>()).exp())
+    }
+
+    /// The opacity by which what its samples say may be off.
+    pub(super) fn overlooked(&self) -> f64 {
+        self.extinction.undecided(self.length, self.fine.transmittance)
     }
 
     /// How many of its halves can be seen: where the first is opaque in its middle, it hides the other.
@@ -53,7 +75,7 @@ impl Piece {
     }
 
     /// Whether a sample is opaque.
-    fn is_hit(&self) -> bool {
+    pub(super) fn is_hit(&self) -> bool {
         self.samples.iter().any(|matter| matter.extinction.is_infinite())
     }
 }
@@ -91,6 +113,12 @@ impl Extinction {
     pub(super) fn transmittance(self, length: f64) -> [f64; 2] {
         // Infinitely thick matter of no length is opaque all the same.
         self.mean.map(|extinction| if extinction > 0.0 { (-extinction * length).exp() } else { 1.0 })
+    }
+
+    /// How far the transmittance of a part of this length may be from the one that is `seen`.
+    pub(super) fn undecided(self, length: f64, seen: f64) -> f64 {
+        let [most, least] = self.transmittance(length);
+        (most - seen).max(seen - least).max(0.0)
     }
 }
 
@@ -153,8 +181,8 @@ pub(super) fn undecided(parts: &mut Vec<Part>, shortest: f64) -> Vec<usize> {
 
 /// A ray cut into pieces, front to back.
 pub(super) struct RayIntegral {
-    pieces: Vec<Piece>,
-    /// Transmittance of the pieces before they are halved.
+    pub(super) pieces: Vec<Piece>,
+    /// The most light that comes through the pieces before they are halved.
     left: f64,
     /// Remaining number of bounds.
     bounds: usize,
@@ -171,6 +199,13 @@ pub(super) struct Limits {
     pub(super) pieces: usize,
 }
 
+impl Limits {
+    /// Whether a piece is as short as pieces get.
+    pub(super) fn is_floor(&self, piece: &Piece) -> bool {
+        piece.length <= self.shortest
+    }
+}
+
 /// Bounds are made narrower until no part of a ray can hide or show more than this; then samples are enough. Less: more
 /// bounds. More: samples of thin matter agree by chance.
 pub(super) const OPEN: f64 = 0.05;
@@ -178,6 +213,8 @@ pub(super) const OPEN: f64 = 0.05;
 const FAINT: f64 = 1e-4;
 /// Transmittance below which a ray ends.
 const DARK: f64 = 1e-8;
+/// Transmittance below which two rules may agree whatever is between their samples.
+const SATURATED: f64 = 1e-2;
 
 /// The rules of a piece agree by chance this many times better than those of the piece beside it. Less: twice the pieces
 /// where one would do. More: with noise finer than a piece, estimates are too small.
@@ -215,7 +252,7 @@ impl RayIntegral {
         let mut all = first.into_iter().chain(samples);
         let samples = std::array::from_fn(|_| all.next().unwrap_or_default());
         let piece = Piece::new(part.from, part.length, samples, part.extinction);
-        self.left *= piece.fine.transmittance;
+        self.left *= piece.clear();
         self.pieces.push(piece);
     }
 
@@ -226,7 +263,7 @@ impl RayIntegral {
 
     /// The pieces to be halved, as indices from the front; what is behind opaque matter is dropped.
     pub(super) fn coarse(&mut self, limits: &Limits) -> Vec<usize> {
-        let mut left = 1.0;
+        let (mut left, mut clear) = (1.0, 1.0);
         let (mut wrong, mut asking, mut seen) = (Vec::new(), Vec::new(), 0);
         for (index, piece) in self.pieces.iter().enumerate() {
             seen = index + 1;
@@ -240,7 +277,8 @@ impl RayIntegral {
                 wrong.push((left * self.error(index, limits), index));
             }
             left *= piece.fine.transmittance;
-            if left < DARK {
+            clear *= piece.clear();
+            if clear < DARK {
                 break;
             }
         }
@@ -325,34 +363,18 @@ impl RayIntegral {
         self.pieces = halved;
     }
 
-    /// Light of the ray, how wrong it may be, and how much more opacity there may be that no sample found. The error is
-    /// [`SPREAD`] times the root of the sum of the squared errors of its pieces, behind what hides them: they have no common
-    /// sign, and each is that of the coarser rule, while the light is by the finer one. Of a piece that was halved down to
-    /// `shortest` because a surface is in it, nothing is left to be wrong; nor of what is open right before it.
-    pub(super) fn light(&self, limits: &Limits) -> (Transport, f64, f64) {
-        let (mut whole, mut error, mut overlooked) = (Transport::CLEAR, 0.0, 0.0);
-        let (mut open, mut end) = (0.0, f64::NEG_INFINITY);
+    /// Light of the ray, and how wrong it may be as its samples say: [`SPREAD`] times the root of the sum of the squared errors
+    /// of its pieces, behind what hides them: they have no common sign, and each is that of the coarser rule, while the light is
+    /// by the finer one. Of a piece that was halved down to `shortest` because a surface is in it, nothing is left to be wrong.
+    pub(super) fn light(&self, limits: &Limits) -> (Transport, f64) {
+        let (mut whole, mut error) = (Transport::CLEAR, 0.0);
         for (index, piece) in self.pieces.iter().enumerate() {
-            let is_floor = piece.length <= limits.shortest;
-            if !is_floor {
+            if !limits.is_floor(piece) {
                 error += (whole.transmittance * self.error(index, limits)).powi(2);
             }
-            // Open pieces of the shortest length in a row, up to a surface or not.
-            if piece.from > end + 0.5 * limits.shortest || !is_floor {
-                overlooked += std::mem::take(&mut open);
-            }
-            match whole.transmittance * piece.overlooked() {
-                hidden if is_floor => open += hidden,
-                hidden if hidden > OPEN || piece.looks_empty() => overlooked += hidden,
-                _ => {}
-            }
-            if is_floor && piece.is_hit() {
-                open = 0.0;
-            }
-            end = piece.from + piece.length;
             whole = whole.then(piece.fine);
         }
-        (whole, SPREAD * error.sqrt(), (overlooked + open).min(1.0))
+        (whole, SPREAD * error.sqrt())
     }
 }
 
@@ -367,15 +389,14 @@ mod tests {
         let step = length / f64::from(pieces);
         for k in 0..pieces {
             let from = f64::from(k) * step;
-            let part = [Part { from, length: step, extinction: Extinction::within([0.0, 1.0]) }];
+            let part = [Part { from, length: step, extinction: Extinction::ANY }];
             let samples: Vec<Matter> = ray.first(&part).map(&matter).collect();
             ray.push(&part[0], &mut samples.into_iter());
         }
         loop {
             let coarse = ray.coarse(&LIMITS);
             if coarse.is_empty() {
-                let (light, error, _) = ray.light(&LIMITS);
-                return (light, error);
+                return ray.light(&LIMITS);
             }
             let samples: Vec<Matter> = ray.wanted(&coarse).map(&matter).collect();
             ray.halve(&coarse, &mut samples.into_iter(), &mut std::iter::empty());

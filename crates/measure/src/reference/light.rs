@@ -1,9 +1,11 @@
-//! Light of a group of rays: bounds of the matter along them, then adaptive samples from front to back.
+//! Light of a group of rays: bounds of the matter along them, then adaptive samples from front to back, then bounds of what these
+//! may have overlooked.
 
-use super::integral::{Limits, Part, RayIntegral};
+use super::integral::{Limits, OPEN, Part, RayIntegral};
 use super::parts::{Beam, Ray};
 use super::probe::Probe;
-use super::{BOUNDS, ReferenceError, Stop, UNSEEN, go_on};
+use super::proof::{DECIDED, Proof};
+use super::{BOUNDS, ReferenceError, Stop, go_on};
 use hypertexture::eval;
 use std::collections::HashMap;
 
@@ -20,6 +22,9 @@ pub(super) type Light = ([f64; 4], f64, f64);
 /// One ray of so many across, and of so many down, is followed first: what was vain for those beside a ray is not tried again.
 /// More: rays that bounds would prove are given up. Fewer: more bounds.
 pub(super) const BETWEEN: u32 = 4;
+/// Undecided opacity from which on bounds were vain. Lower: rays that bounds would nearly prove are given up. Higher: bounds of noise
+/// are computed in vain.
+const VAIN: f64 = 0.1;
 /// Of pixels that lie apart, those that were followed first and are nearest say what is vain, so many of them.
 const NEAREST: usize = 3;
 
@@ -69,7 +74,7 @@ impl Probe {
             here.iter_mut().zip(&pixels).for_each(|(ray, pixel)| ray.is_vain = is_vain_at(*pixel, &vain));
             let lights = self.follow(programs, &pixels, &mut here, tolerance, stop)?;
             for ((&at, pixel), light) in which.iter().zip(pixels).zip(lights) {
-                vain.insert(pixel, light.2 > UNSEEN);
+                vain.insert(pixel, light.2 > VAIN);
                 found[at] = light;
             }
         }
@@ -123,17 +128,29 @@ impl Probe {
             let asking: Vec<Beam> = (rays.iter().zip(&coarse).zip(pixels))
                 .flat_map(|((ray, coarse), pixel)| ray.asking(coarse).map(|part| Beam::of(*pixel, part)))
                 .collect();
-            let mut narrower = self.bounds(bounds, &asking)?.into_iter();
+            let mut narrower = self.bounds(bounds, &asking, OPEN)?.into_iter();
             for (ray, coarse) in rays.iter_mut().zip(&coarse) {
                 ray.halve(coarse, &mut samples, &mut narrower);
             }
         }
-        let light = |ray: &RayIntegral| {
-            let (light, error, open) = ray.light(&limits);
+        let vain = parts.iter().map(|ray| ray.is_vain);
+        let mut proofs: Vec<Proof> = rays.iter().zip(vain).map(|(ray, vain)| Proof::new(ray, &limits, vain)).collect();
+        loop {
+            go_on(stop)?;
+            let wanted = proofs.iter().zip(&rays).zip(pixels);
+            let wanted: Vec<Beam> = wanted.flat_map(|((proof, ray), pixel)| proof.wanted(ray, *pixel)).collect();
+            if wanted.is_empty() {
+                break;
+            }
+            let mut found = self.bounds(bounds, &wanted, DECIDED)?.into_iter();
+            proofs.iter_mut().zip(&rays).for_each(|(proof, ray)| proof.learn(ray, &mut found));
+        }
+        let light = |(ray, proof): (&RayIntegral, &Proof)| {
+            let (light, error) = ray.light(&limits);
             let [r, g, b] = light.color;
-            ([r, g, b, 1.0 - light.transmittance], error, open)
+            ([r, g, b, 1.0 - light.transmittance], error, proof.open())
         };
-        Ok(rays.iter().map(light).collect())
+        Ok(rays.iter().zip(&proofs).map(light).collect())
     }
 }
 

@@ -9,6 +9,7 @@ mod integral;
 mod light;
 mod parts;
 mod probe;
+mod proof;
 mod store;
 mod transport;
 
@@ -253,5 +254,7 @@ pub fn reference_pixels(
     Ok(Reference { size: truth.scene.image.size, pixels, estimate, open })
 }
 
+#[cfg(test)]
+mod shell_tests;
 #[cfg(test)]
 mod tests;

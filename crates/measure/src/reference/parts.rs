@@ -161,7 +161,7 @@ impl Probe {
         while !next.is_empty() {
             go_on(stop)?;
             let wanted = next.iter().map(|&(ray, Part { from, length, .. })| Beam { from, length, ..rays[ray].beam });
-            let found = self.bounds(bounds, &wanted.collect::<Vec<_>>())?;
+            let found = self.bounds(bounds, &wanted.collect::<Vec<_>>(), OPEN)?;
             let mut found = std::mem::take(&mut next).into_iter().zip(found).peekable();
             for (index, ray) in rays.iter_mut().enumerate() {
                 let mut new = std::iter::from_fn(|| found.next_if(|((of, _), _)| *of == index)).peekable();
@@ -174,11 +174,13 @@ impl Probe {
         Ok(())
     }
 
-    /// Bounds of the extinction over parts of rays or of beams.
+    /// Bounds of the extinction over parts of rays or of beams; a part is split where noise changes its cell if more opacity than
+    /// `allowed` is undecided.
     pub(super) fn bounds(
         &self,
         bounds: &eval::BoundProgram<'_>,
         wanted: &[Beam],
+        allowed: f64,
     ) -> Result<Vec<Extinction>, ReferenceError> {
         if wanted.is_empty() {
             return Ok(Vec::new());
@@ -195,7 +197,7 @@ impl Probe {
         });
         let (fragment_coordinates, places) = lanes.unzip();
         let lanes = eval::Invocations { fragment_coordinates, varyings: [(0, places)].into() };
-        let open = |lane: usize, alpha| is_open(self.extinction(alpha), wanted[order[lane]].length);
+        let open = |lane: usize, alpha| is_open(self.extinction(alpha), wanted[order[lane]].length, allowed);
         let mut found = vec![Extinction::ANY; wanted.len()];
         for (&at, alpha) in order.iter().zip(bounds.bounds(&lanes, &open)?) {
             found[at] = self.extinction(alpha);
@@ -213,8 +215,8 @@ impl Probe {
     }
 }
 
-/// Whether bounds of the extinction say too little about a part of this length.
-fn is_open(extinction: Extinction, length: f64) -> bool {
+/// Whether bounds of the extinction leave more opacity undecided than is allowed, over a part of this length.
+fn is_open(extinction: Extinction, length: f64, allowed: f64) -> bool {
     let [most, least] = extinction.transmittance(length);
-    most - least > OPEN
+    most - least > allowed
 }

@@ -8,7 +8,7 @@ use hypertexture::shader::Library;
 use hypertexture_support::disk_cache::{self, Kind};
 
 /// Version of the references; raise it with any change of their values.
-const VERSION: u32 = 7;
+const VERSION: u32 = 8;
 /// Limit of the cache. Lower: the references of one report evict each other. Higher: the disk fills up.
 const KIND: Kind = Kind { ends: &["reference"], limit: 256 << 20 };
 

@@ -2,7 +2,7 @@
 
 use crate::common::{picture, subject, with_gpu};
 use crate::random_scene::{SplitMix, random_scene, within};
-use hypertexture::scene::{Scene, preset};
+use hypertexture::scene::{self, Scene, preset};
 use hypertexture::shader;
 use hypertexture_measure::compare::Session;
 use hypertexture_measure::metric::Metric;
@@ -116,5 +116,47 @@ fn a_smaller_bound_is_no_cheaper_and_an_impossible_one_says_what_is_nearest() {
         assert!(text.contains(&format!("; {allow:e} can be kept: ")), "{text}");
         assert!(pick(Metric::Rmse, allow).unwrap().verified.error <= allow);
         assert!(ErrorBound::new(Metric::Max, 0.0).unwrap_err().to_string().contains("must be above 0"));
+    });
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_shell_that_no_sample_meets_is_not_within_an_error() {
+    // A step of the transfer map of width 1e-5; its picture is empty, and off by 0.4 (closed form).
+    let text = "[object]\ninput = \"sphere\"\ninner_iso = -0.0005\nouter_iso = 0.0005\n[effect]\nclassify = \"post\"\n\
+        softness = \"linear\"\nopacity_rate = 1.01e5\n[image]\nsize = [24, 24]\n[transfer]\ncurve = \"steps\"\nstops = [{at=0.0,\
+        color=\"#c9beac\",density=0.0},{at=0.5,color=\"#c9beac\",density=0.5},{at=0.51,color=\"#c9beac\",density=0.0}]\n";
+    with_gpu(|gpu| {
+        let (library, scene) = (shader::shipped(), scene::parse(text, "a scene").unwrap());
+        let subject = subject(&scene, &library);
+        let session = Session { gpu, library: &library, subject: &subject, worker: None, stop: &|| false };
+        match pick(session, &scene, ErrorBound::new(Metric::Rmse, 0.2).unwrap(), &|_| ()) {
+            Ok(pick) => {
+                let found = rmse(gpu, &pick.scene);
+                assert!(found <= pick.verified.error, "{found} where {} is stated", pick.verified.error);
+            }
+            Err(PickError::Bound { found, .. }) => assert!(found > 0.2, "{found}"),
+            Err(error) => panic!("{error}"),
+        }
+        let truth = truth_of(&scene, &library).unwrap();
+        let middle = reference_pixels(&library, &truth, &subject, &[[12, 12]], 1e-4, &|_| (), &|| false).unwrap();
+        // Two walls, nearly at a right angle to the ray.
+        let opacity = 1.0 - (-2.0 * 1.01e5 * 1e-5 * std::f64::consts::LN_2).exp();
+        assert!((middle.pixels[0][3] - opacity).abs() < 5e-3, "{:?} where {opacity} is", middle.pixels);
+        assert!(middle.open[0] < 5e-3, "{:?}", middle.open);
+    });
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_scene_of_slices_alone_is_picked_without_a_reference() {
+    with_gpu(|gpu| {
+        let (library, mut scene) = (shader::shipped(), preset("wax").unwrap());
+        scene.image.size = [24, 24];
+        scene.light.shadow_resolution = 64;
+        let subject = subject(&scene, &library);
+        let session = Session { gpu, library: &library, subject: &subject, worker: None, stop: &|| false };
+        let pick = pick(session, &scene, ErrorBound::new(Metric::Rmse, 0.1).unwrap(), &|_| ()).unwrap();
+        assert!(pick.unverified.is_some() && pick.verified.error <= 0.1, "{:?}", pick.verified);
     });
 }
