@@ -6,7 +6,7 @@ use hypertexture::gpu::Options;
 use hypertexture_viewer::{self, Start, ViewError};
 use std::error::Error;
 use std::ops::RangeInclusive;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Arguments of `view`.
@@ -71,6 +71,8 @@ pub fn run(command: ViewArguments, options: Options) -> Result<(), Box<dyn Error
         hypertexture::output::check_all([("--screenshot", file.clone())], files_read(&command.input, &scene))?;
     }
     let ViewArguments { max_error, play, window, frames, screenshot, script, .. } = command;
-    let start = Start { scene, library, options, max_error, play, window, frames, screenshot, script, began };
+    let is_scene = Path::new(&command.input).extension().is_some_and(|end| end.eq_ignore_ascii_case("toml"));
+    let file = is_scene.then(|| PathBuf::from(&command.input));
+    let start = Start { scene, library, options, max_error, play, window, frames, screenshot, file, script, began };
     hypertexture_viewer::run(start).map_err(|error| NoWindow(error).into())
 }

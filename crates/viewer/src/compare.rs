@@ -68,9 +68,9 @@ impl Comparison {
         if shows(CompareMode::Now) {
             title(ui, place, Align2::RIGHT_BOTTOM, now);
         }
-        let dark = Frame::popup(ui.style()).fill(Color32::from_black_alpha(200));
+        let frame = Frame::popup(ui.style());
         Area::new(Id::new("compare")).fixed_pos(place.left_top() + Vec2::splat(10.0)).show(ui.ctx(), |ui| {
-            dark.show(ui, |ui| {
+            frame.show(ui, |ui| {
                 ui.set_max_width((place.width() - 40.0).max(120.0));
                 ui.horizontal_wrapped(|ui| self.bar(ui, rms));
             });

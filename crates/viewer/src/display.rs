@@ -5,6 +5,7 @@ use super::unsaved::Latest;
 use hypertexture::gpu::{exit_at_once, has_keyboard_data, has_library, on_broken_display};
 use raw_window_handle::{HasWindowHandle, RawWindowHandle};
 use std::env;
+use std::io::{self, Write};
 use std::os::unix::net::UnixStream;
 use std::panic::{self, PanicHookInfo};
 use std::path::{Path, PathBuf};
@@ -18,7 +19,7 @@ use x11rb::connection::Connection;
 use x11rb::protocol::randr::ConnectionExt as _;
 use x11rb::protocol::xinput::ConnectionExt as _;
 use x11rb::protocol::xkb::ConnectionExt as _;
-use x11rb::protocol::xproto::{ConnectionExt as _, MapState};
+use x11rb::protocol::xproto::{AtomEnum, ConnectionExt as _, InputFocus, MapState};
 use x11rb::rust_connection::RustConnection;
 
 /// Exit code if the window cannot be shown.
@@ -127,6 +128,23 @@ impl Display {
         }
     }
 
+    /// Gives a clicked window the keyboard where no window manager does.
+    pub(super) fn focus(&self, window: &Window) {
+        let Display::X { server, screen, .. } = self else { return };
+        let Ok(RawWindowHandle::Xlib(own)) = window.window_handle().map(|handle| handle.as_raw()) else { return };
+        let Some(root) = server.setup().roots.get(*screen).map(|screen| screen.root) else { return };
+        // EWMH: a window manager sets this property of the root window.
+        let name = server.intern_atom(false, b"_NET_SUPPORTING_WM_CHECK").ok().and_then(|answer| answer.reply().ok());
+        let managed = name.and_then(|name| {
+            let property = server.get_property(false, root, name.atom, AtomEnum::ANY, 0, 1).ok()?;
+            property.reply().ok()
+        });
+        if managed.is_none_or(|property| property.value_len == 0) {
+            let asked = server.set_input_focus(InputFocus::PARENT, own.window as u32, x11rb::CURRENT_TIME);
+            let _ = asked.map(|asked| asked.check()); // the window may be closing
+        }
+    }
+
     /// Whether the window is reported as invisible.
     pub(super) fn hides(&self, window: &Window) -> bool {
         let Display::X { server, .. } = self else { return false };
@@ -168,6 +186,10 @@ impl Guard {
             match of_winit(panic) {
                 Some(reason) => by_panic.end(Some(reason)),
                 None => usual(panic),
+            }
+            // A panic of another thread is no end of the window, which has kept its work then.
+            if let Some(folder) = by_panic.latest.keep() {
+                let _ = writeln!(io::stderr(), "unsaved work is in {}", folder.display());
             }
         }));
         guard

@@ -72,8 +72,10 @@ pub(super) enum Kind {
 pub(super) struct Motion {
     pub(super) frames: u32,
     pub(super) fps: f64,
-    /// Whether the camera orbits the object once.
-    pub(super) turntable: bool,
+    /// Length that stays while the frames per second change; `None`: the number of frames stays.
+    pub(super) seconds: Option<f64>,
+    /// Whether the camera orbits the object once; `None`: if nothing else moves.
+    pub(super) turntable: Option<bool>,
     /// Whether finished frames are rendered again.
     pub(super) restart: bool,
 }
@@ -81,7 +83,14 @@ pub(super) struct Motion {
 impl Default for Motion {
     /// A turntable of four seconds.
     fn default() -> Motion {
-        Motion { frames: 100, fps: 25.0, turntable: true, restart: false }
+        Motion { frames: 100, fps: 25.0, seconds: None, turntable: None, restart: false }
+    }
+}
+
+impl Motion {
+    /// Whether the camera orbits the object, in a scene that moves or stands still.
+    pub(super) fn turns(&self, is_animated: bool) -> bool {
+        self.turntable.unwrap_or(!is_animated)
     }
 }
 
@@ -111,7 +120,7 @@ impl Order {
 
     /// The pictures of a turntable.
     pub(super) fn turntable(scene: Scene, library: Library, path: PathBuf) -> Order {
-        let motion = Some(Motion { restart: true, ..Motion::default() });
+        let motion = Some(Motion { restart: true, turntable: Some(true), ..Motion::default() });
         Order { kind: Kind::Sequence, motion, ..Order::picture(scene, library, path) }
     }
 
@@ -159,10 +168,10 @@ impl Order {
         if let Some(error) = self.max_error {
             words.extend(["--max-error".into(), error.to_string()]);
         }
-        if let Some(Motion { frames, fps, turntable, restart }) = self.motion {
+        if let Some(Motion { frames, fps, turntable, restart, .. }) = self.motion {
             let range = format!("0..{}", frames.max(1) - 1);
             words.extend(["--frames".into(), range, "--fps".into(), fps.to_string()]);
-            words.extend(turntable.then(|| "--turntable".into()));
+            words.extend(turntable.unwrap_or(false).then(|| "--turntable".into()));
             words.extend(restart.then(|| "--restart".into()));
         }
         words
@@ -296,7 +305,11 @@ mod tests {
         assert_eq!(page("a.html").command()[2..], ["web", "scene", "--output", "a.html", "--single-file"]);
         assert_eq!(page("a").command()[2..], ["web", "scene", "--output", "a"]);
         assert_eq!((page("a.html").first(), page("a").first()), ("a.html".into(), "a/index.html".into()));
-        let video = Order { kind: Kind::Video, motion: Some(Motion::default()), ..order("out/turn.mp4") };
+        let video = Order {
+            kind: Kind::Video,
+            motion: Some(Motion { turntable: Some(true), ..Motion::default() }),
+            ..order("out/turn.mp4")
+        };
         let words = ["--output", "out/turn_####.png", "--frames", "0..99", "--fps", "25", "--turntable"];
         assert_eq!((&video.command()[4..], video.first()), (&words.map(String::from)[..], "out/turn_0000.png".into()));
         let command = ffmpeg(&video.pictures(), 25.0, &video.path);

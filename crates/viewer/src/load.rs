@@ -9,29 +9,58 @@ use hypertexture::shader::Library;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::task::Poll;
+use std::time::Instant;
 
 /// Number of cached objects.
 const KEPT: usize = 6;
 
-/// Inputs of an object, and whether its field is a coarse one.
+/// Inputs of the objects of a scene by their names, the main one first, and whether their fields are coarse.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Key(Vec<SubjectRequest>, bool);
+pub(super) struct Key {
+    objects: Vec<(String, SubjectRequest)>,
+    is_coarse: bool,
+}
 
 impl Key {
     pub(super) fn of(scene: &impl Checkable, library: &Library) -> Result<Key, VariantError> {
-        let mut wanted = SubjectRequest::all(&*scene.checked(library)?);
+        let variant = scene.checked(library)?;
+        let mut wanted = SubjectRequest::all(&variant);
         wanted.iter_mut().for_each(|wanted| wanted.object = wanted.object.without_look());
-        Ok(Key(wanted, false))
+        let names = [String::new()].into_iter().chain(variant.scene.parts.keys().cloned());
+        Ok(Key { objects: names.zip(wanted).collect(), is_coarse: false })
     }
 
-    /// Whether an object of key `self` serves scenes of key `other`: surplus closest points do no harm.
-    fn serves(&self, other: &Key) -> bool {
-        (self.0.len(), self.1) == (other.0.len(), other.1)
-            && self.0.iter().zip(&other.0).all(|(own, other)| {
-                let same = own.object == other.object && own.aligned == other.aligned;
-                same && own.reach == other.reach && (own.closest || !other.closest)
-            })
+    /// Whether a subject of key `self` has the objects of key `other` under the same names, each of which `fits`.
+    fn has_all(&self, other: &Key, fits: Fits) -> bool {
+        let same = |((name, own), (wanted, request)): (&(String, SubjectRequest), &(String, SubjectRequest))| {
+            name == wanted && fits(own, request)
+        };
+        self.objects.len() == other.objects.len() && self.objects.iter().zip(&other.objects).all(same)
     }
+
+    /// Whether each object of key `other` is among the objects of key `self`, under any name.
+    fn serves(&self, other: &Key) -> bool {
+        let main = serves(&self.objects[0].1, &other.objects[0].1);
+        let is_there = |(_, wanted): &(String, SubjectRequest)| {
+            self.objects.iter().any(|(_, own)| serves(own, wanted)) && (main || !wanted.aligned)
+        };
+        self.is_coarse == other.is_coarse && other.objects.iter().all(is_there)
+    }
+}
+
+/// Whether an object may be used where another one is wanted.
+type Fits = fn(&SubjectRequest, &SubjectRequest) -> bool;
+
+/// Whether an object serves another request: surplus closest points do no harm.
+fn serves(own: &SubjectRequest, wanted: &SubjectRequest) -> bool {
+    let same = own.object == wanted.object && own.aligned == wanted.aligned && own.reach == wanted.reach;
+    same && (own.closest || !wanted.closest)
+}
+
+/// Whether an object from the same input can stand in for another one while that loads.
+fn stands_in(own: &SubjectRequest, wanted: &SubjectRequest) -> bool {
+    let same = own.object.input == wanted.object.input && own.aligned == wanted.aligned;
+    same && (own.closest || !wanted.closest)
 }
 
 /// The cached objects, and the one that is being loaded.
@@ -39,6 +68,8 @@ impl Key {
 pub(super) struct Loader {
     kept: Vec<(Key, Arc<Subject>)>,
     loading: Option<Loading>,
+    /// The last stand-in made of objects of several subjects, with the key of its scene and its own.
+    standing: Option<(Key, Key, Arc<Subject>)>,
     coarse: Coarse,
     /// Whether fields of scans are coarse now.
     pub(super) is_coarse: bool,
@@ -50,11 +81,26 @@ pub(super) struct Loader {
 struct Loading {
     key: Key,
     name: String,
+    began: Instant,
     subject: Background<Result<Subject, RenderError>>,
+}
+
+/// The progress of a load.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Progress {
+    /// Name of the input.
+    pub(crate) name: String,
+    /// Fraction of the field that is computed; 0 while the file is read.
+    pub(crate) done: f32,
+    /// Whole seconds since its start.
+    pub(crate) seconds: u64,
 }
 
 impl Loader {
     /// The object of a scene, if it is cached. Otherwise it starts to load if `may_load`, in place of another one.
+    ///
+    /// The parts of the subject have the names of the scene's objects. Objects that were loaded under other names, or for
+    /// other scenes, are put together without a load.
     pub(super) fn subject(
         &mut self,
         scene: &Scene,
@@ -62,12 +108,18 @@ impl Loader {
         may_load: bool,
         notify: &Notify,
     ) -> Result<Option<Arc<Subject>>, VariantError> {
-        let key = Key(Key::of(scene, library)?.0, self.is_coarse);
+        let key = Key { is_coarse: self.is_coarse, ..Key::of(scene, library)? };
         // The last one first: among several that serve, the same one each time, so that the picture does not restart.
-        if let Some(found) = self.kept.iter().rposition(|(known, _)| known.serves(&key)) {
+        let found = |(known, _): &(Key, Arc<Subject>)| known.is_coarse == key.is_coarse && known.has_all(&key, serves);
+        if let Some(found) = self.kept.iter().rposition(found) {
             let last = self.kept.remove(found);
             self.kept.push(last);
             return Ok(self.kept.last().map(|(_, subject)| subject.clone()));
+        }
+        if let Some((_, subject)) = self.composed(&key, serves) {
+            let subject = Arc::new(subject);
+            self.keep(key, subject.clone());
+            return Ok(Some(subject));
         }
         let running = self.loading.as_ref().is_some_and(|loading| loading.key.serves(&key));
         if may_load && !running && self.failed.as_ref() != Some(&key) {
@@ -80,30 +132,74 @@ impl Loader {
                     None => Subject::load(&scene, &library, &progress),
                 });
             });
-            self.loading = Some(Loading { key, name, subject: load });
+            self.loading = Some(Loading { key, name, began: Instant::now(), subject: load });
         }
         Ok(None)
     }
 
-    /// A stand-in for the object of a scene while it loads: an object from the same input, and the scene with soft
-    /// regions limited to its fields.
-    pub(super) fn stand_in(&self, scene: &Scene, library: &Library) -> Option<(Scene, Arc<Subject>)> {
-        let variant = Variant::of(scene, library).ok()?;
-        let wanted = Key::of(&variant, library).ok()?.0;
-        let fits = |(own, wanted): (&SubjectRequest, &SubjectRequest)| {
-            own.object.input == wanted.object.input && own.aligned == wanted.aligned && (own.closest || !wanted.closest)
+    /// A subject made of cached objects of any names that fit, and its key. Aligned objects come with their main one.
+    fn composed(&self, wanted: &Key, fits: Fits) -> Option<(Key, Subject)> {
+        let kept = || self.kept.iter().rev().filter(|(known, _)| known.is_coarse == wanted.is_coarse);
+        let objects = |(key, subject): &'_ (Key, Arc<Subject>)| -> Vec<(SubjectRequest, SubjectRequest, Subject)> {
+            let own = |(name, request): &(String, SubjectRequest)| {
+                let subject = if name.is_empty() { subject } else { subject.parts.get(name)? };
+                let alone = Subject { parts: BTreeMap::new(), ..subject.clone() };
+                Some((key.objects[0].1.clone(), request.clone(), alone))
+            };
+            key.objects.iter().filter_map(own).collect()
         };
-        let (key, subject) = self.kept.iter().rfind(|(key, subject)| {
-            key.0.len() == wanted.len()
-                && key.0.iter().zip(&wanted).all(fits)
-                && subject.parts.keys().eq(scene.parts.keys())
-        })?;
-        let mut held = scene.clone();
-        end_at(&mut held.object, &mut held.parameters, &variant.parameters, key.0[0].reach);
-        for ((name, part), own) in held.parts.iter_mut().zip(&key.0[1..]) {
-            end_at(&mut part.object, &mut part.parameters, &variant.parts[name], own.reach);
+        let pool: Vec<_> = kept().flat_map(objects).collect();
+        let take = |main: Option<&SubjectRequest>, wanted: &SubjectRequest| {
+            let good = |(of, own, _): &&(SubjectRequest, SubjectRequest, Subject), fits: Fits| {
+                fits(own, wanted) && (!wanted.aligned || main.is_none_or(|main| of == main))
+            };
+            pool.iter().find(|held| good(held, serves)).or_else(|| pool.iter().find(|held| good(held, fits)))
+        };
+        let (_, own, main) = take(None, &wanted.objects[0].1)?;
+        let (mut subject, mut objects) = (main.clone(), vec![(String::new(), own.clone())]);
+        for (name, request) in &wanted.objects[1..] {
+            let (_, own, part) = take(Some(&objects[0].1), request)?;
+            subject.parts.insert(name.clone(), part.clone());
+            objects.push((name.clone(), own.clone()));
         }
-        held.check(library).is_ok().then(|| (held, subject.clone()))
+        Some((Key { objects, is_coarse: wanted.is_coarse }, subject))
+    }
+
+    fn keep(&mut self, key: Key, subject: Arc<Subject>) {
+        self.kept.push((key, subject));
+        if self.kept.len() > KEPT {
+            self.kept.remove(0);
+        }
+    }
+
+    /// Cached objects from the inputs of a key, with any fields, and their own key.
+    pub(super) fn any(&mut self, wanted: &Key) -> Option<(Key, Arc<Subject>)> {
+        if let Some(whole) = self.kept.iter().rfind(|(key, _)| key.has_all(wanted, stands_in)) {
+            return Some(whole.clone());
+        }
+        match &self.standing {
+            Some((of, own, subject)) if of == wanted => Some((own.clone(), subject.clone())),
+            _ => {
+                let (own, subject) = self.composed(wanted, stands_in)?;
+                let subject = Arc::new(subject);
+                self.standing = Some((wanted.clone(), own.clone(), subject.clone()));
+                Some((own, subject))
+            }
+        }
+    }
+
+    /// A stand-in for the object of a scene while it loads: objects from the same inputs, and the scene with soft
+    /// regions limited to their fields.
+    pub(super) fn stand_in(&mut self, scene: &Scene, library: &Library) -> Option<(Scene, Arc<Subject>)> {
+        let variant = Variant::of(scene, library).ok()?;
+        let (own, subject) = self.any(&Key::of(&variant, library).ok()?)?;
+        let mut held = scene.clone();
+        end_at(&mut held.object, &mut held.parameters, &variant.parameters, own.objects[0].1.reach);
+        for (name, request) in &own.objects[1..] {
+            let (part, parameters) = (held.parts.get_mut(name)?, variant.parts.get(name)?);
+            end_at(&mut part.object, &mut part.parameters, parameters, request.reach);
+        }
+        held.check(library).is_ok().then_some((held, subject))
     }
 
     /// Receives the loaded object, or the reason of the failure.
@@ -114,10 +210,7 @@ impl Loader {
         let failed = || Err("the computation of the field has failed".to_string());
         match loaded.map_or_else(failed, |loaded| loaded.map_err(|error| error.to_string())) {
             Ok(subject) => {
-                self.kept.push((key, Arc::new(subject)));
-                if self.kept.len() > KEPT {
-                    self.kept.remove(0);
-                }
+                self.keep(key, Arc::new(subject));
                 Ok(())
             }
             Err(reason) => {
@@ -127,10 +220,10 @@ impl Loader {
         }
     }
 
-    /// Name and progress of the object that is being loaded.
-    pub(super) fn progress(&self) -> Option<(String, f32)> {
-        let loading = self.loading.as_ref()?;
-        Some((loading.name.clone(), loading.subject.progress()))
+    /// Progress of the object that is being loaded.
+    pub(super) fn progress(&self) -> Option<Progress> {
+        let Loading { name, began, subject, .. } = self.loading.as_ref()?;
+        Some(Progress { name: name.clone(), done: subject.progress(), seconds: began.elapsed().as_secs() })
     }
 
     /// Cancels the load.
@@ -152,7 +245,7 @@ mod tests {
     use super::*;
     use crate::background::silent;
     use hypertexture::{scene, shader};
-    use std::time::{Duration, Instant};
+    use std::time::Duration;
 
     fn wait(loader: &mut Loader, scene: &Scene, library: &Arc<Library>) -> Result<Arc<Subject>, String> {
         let start = Instant::now();
@@ -235,9 +328,57 @@ mod tests {
         let mut scene = scene::preset("lit").unwrap();
         scene.object.resolution = 347; // in no cache
         assert!(loader.subject(&scene, &library, true, &silent()).unwrap().is_none());
-        let (name, _) = loader.progress().unwrap();
-        assert_eq!(name, "teapot");
+        assert_eq!(loader.progress().unwrap().name, "teapot");
         loader.cancel();
         assert!(loader.progress().is_none() && loader.poll().is_ok());
+    }
+
+    #[test]
+    fn objects_keep_their_fields_under_other_names() {
+        let library = Arc::new(shader::shipped());
+        let mut loader = Loader::default();
+        let mut scene = scene::preset("lit").unwrap();
+        (scene.object.input, scene.object.resolution) = ("knot".into(), 16);
+        for (name, input) in [("a", "teapot"), ("b", "sphere")] {
+            let mut part = scene::Part::default();
+            (part.object.input, part.object.resolution) = (input.into(), 17);
+            scene.parts.insert(name.into(), part);
+        }
+        let first = wait(&mut loader, &scene, &library).unwrap();
+        let mut at_once = |scene: &Scene| {
+            let subject = loader.subject(scene, &library, true, &silent()).unwrap().expect("no load");
+            assert!(loader.progress().is_none() && subject.parts.keys().eq(scene.parts.keys()));
+            assert!(Arc::ptr_eq(&subject, &loader.subject(scene, &library, true, &silent()).unwrap().unwrap()));
+            subject
+        };
+        let same =
+            |own: &Subject, other: &Subject| Arc::ptr_eq(own.field.as_ref().unwrap(), other.field.as_ref().unwrap());
+        // Renamed, which also changes the order; exchanged; removed; twice the same; and back again.
+        let part = scene.parts.remove("a").unwrap();
+        scene.parts.insert("z".into(), part.clone());
+        let renamed = at_once(&scene);
+        assert!(same(&renamed.parts["z"], &first.parts["a"]) && same(&renamed, &first));
+        let other = scene.parts.insert("b".into(), part.clone()).unwrap();
+        scene.parts.insert("z".into(), other);
+        assert!(same(&at_once(&scene).parts["b"], &first.parts["a"]));
+        scene.parts.remove("z");
+        assert_eq!(at_once(&scene).parts.len(), 1);
+        scene.parts.insert("copy".into(), part.clone());
+        assert!(same(&at_once(&scene).parts["copy"], &first.parts["a"]));
+        // The objects may change places with the main one.
+        std::mem::swap(&mut scene.object, &mut scene.parts.get_mut("b").unwrap().object);
+        assert!(same(&at_once(&scene), &first.parts["a"]));
+        // A new object loads, and a scene that is renamed meanwhile takes over the load.
+        scene.parts.get_mut("copy").unwrap().object.resolution = 18;
+        assert!(loader.subject(&scene, &library, true, &silent()).unwrap().is_none() && loader.loading.is_some());
+        let began = loader.loading.as_ref().unwrap().began;
+        let held = loader.stand_in(&scene, &library).unwrap().1;
+        assert!(held.parts.keys().eq(scene.parts.keys()));
+        let part = scene.parts.remove("copy").unwrap();
+        scene.parts.insert("other".into(), part);
+        assert!(loader.stand_in(&scene, &library).unwrap().1.parts.contains_key("other"));
+        assert!(loader.subject(&scene, &library, true, &silent()).unwrap().is_none());
+        assert_eq!(loader.loading.as_ref().unwrap().began, began, "it goes on");
+        assert!(wait(&mut loader, &scene, &library).unwrap().parts.contains_key("other"));
     }
 }

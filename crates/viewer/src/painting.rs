@@ -24,6 +24,9 @@ const STEP: f32 = 0.25;
 /// Most touches between two frames. Higher: a fast stroke of a small brush stalls.
 const TOUCHES: f32 = 48.0;
 
+/// Why a scene of several objects has no groom.
+pub(crate) const SEVERAL: &str = "a groom needs a scene of one object: remove the others to paint";
+
 /// The brush, the versions of the groom and the current stroke.
 pub struct Painting {
     /// Whether a drag paints.
@@ -101,6 +104,11 @@ impl Painting {
         self.stroke.is_some()
     }
 
+    /// The groom of the stroke that is being painted.
+    pub(crate) fn stroke(&self) -> Option<Arc<Groom>> {
+        self.stroke.as_ref().map(|stroke| stroke.groom.clone())
+    }
+
     /// Begins a stroke at a place of the surface. Returns the file that the scene is to name.
     ///
     /// # Errors
@@ -154,6 +162,15 @@ impl Painting {
 /// Whether a groom is a version in the cache, which saving copies beside the scene.
 pub(crate) fn is_version(file: &str) -> bool {
     folder().is_some_and(|folder| Path::new(file).starts_with(folder))
+}
+
+/// A version in the cache of the groom in another file, or that file.
+pub(crate) fn adopted(file: &str) -> String {
+    let linked = new_file().filter(|own| {
+        let folder = fs::create_dir_all(own.parent().unwrap_or(Path::new(".")));
+        folder.and_then(|()| fs::hard_link(file, own).or_else(|_| fs::copy(file, own).map(drop))).is_ok()
+    });
+    linked.map_or_else(|| file.into(), |own| own.display().to_string())
 }
 
 fn folder() -> Option<PathBuf> {

@@ -36,6 +36,8 @@ pub(super) struct Figures {
     pub(super) device: String,
     /// Stage of the picture.
     pub(super) stage: Stage,
+    /// Part of an unfinished picture that is drawn, 0 to 1.
+    pub(super) done: f32,
     /// Width and height, pixels.
     pub(super) size: [u32; 2],
     /// Samples of a ray.
@@ -74,7 +76,7 @@ impl Figures {
         match self.stage {
             Stage::None => "no picture yet".into(),
             Stage::Coarse => "preview".into(),
-            Stage::Partial => "drawing".into(),
+            Stage::Partial => format!("drawing, {:.0} %", (100.0 * self.done).floor()),
             Stage::Scene => "drawn, converging".into(),
             Stage::Refined(count) => match done {
                 Some(done) => format!("converging, {done:.0} %"),

@@ -72,6 +72,7 @@ pub(super) fn perform(
             return Ok(minimize);
         }
         ScriptEvent::Shot(path) => app.screenshot(path),
+        ScriptEvent::Panic => panic!("a fault that a script asked for"),
         ScriptEvent::Lose => return Err(GpuError::lost().into()),
         ScriptEvent::Quit => app.quit = true,
     }

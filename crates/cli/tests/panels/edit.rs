@@ -150,12 +150,17 @@ fn what_is_wrong_stands_at_its_line_on_the_screen_and_the_text_does_not_move() {
     let number = |hand: &Hand, text: &str| painted(hand).into_iter().find(|(found, ..)| found == text).unwrap();
     let (_, seven, clip) = number(&hand, "7");
     assert!(seven.left() >= clip.left() && seven.right() < clip.left() + 45.0, "{seven:?} in {clip:?}");
+    // It covers no code: neither that of its own line nor that of another one.
+    let codes = painted(&hand).into_iter().filter(|(text, ..)| text.contains(&long));
+    let galleys: Vec<Rect> = codes.map(|(_, rect, _)| rect).collect();
+    assert!(!galleys.is_empty(), "the text is painted");
+    assert!(galleys.iter().all(|code| rect.bottom() <= code.bottom() + 1.0), "the row below the last line is its own");
     hand.picture("wrong_line");
     // A wrapped line has one number.
     let row = hand.rect("author.text").height();
     hand.click("author.wrap");
     hand.0.run_steps(3);
-    assert!(hand.rect("author.text").height() > row + 20.0 && hand.rect("author.text").width() <= 520.0);
+    assert!(hand.rect("author.text").height() > row + 8.0 && hand.rect("author.text").width() <= 520.0);
     let lines = text(&mut hand).lines().count();
     number(&hand, &lines.to_string());
     assert!(painted(&hand).iter().all(|(text, ..)| *text != (lines + 1).to_string()));
@@ -184,4 +189,29 @@ fn a_click_on_a_fault_leads_to_its_line() {
     hand.0.run_steps(60);
     let (_, rect, clip) = painted(&hand).into_iter().find(|(text, ..)| text.starts_with('◀')).unwrap();
     assert!(clip.contains(rect.center()), "{rect:?} in {clip:?}");
+}
+
+#[test]
+fn the_error_of_a_long_line_does_not_cover_the_next_one() {
+    let mut hand = editor();
+    at_end(&mut hand);
+    let (long, next) = ("b".repeat(160), "float unharmed = 1.0;");
+    hand.0.event(Event::Text(format!("\nfloat {long} = tangled;\n{next}\n")));
+    hand.0.run_steps(2);
+    hand.0.key_press(Key::ArrowUp);
+    hand.0.key_press(Key::ArrowUp);
+    hand.0.run_steps(2);
+    wait_for_faults(&mut hand);
+    // Rows of the text, of which the last but one is the next line.
+    let rows = hand.0.output().shapes.iter().find_map(|clipped| match &clipped.shape {
+        Shape::Text(text) if text.galley.text().contains(&long) => {
+            let rect = |index: usize| text.galley.rows[index].rect().translate(text.pos.to_vec2());
+            let count = text.galley.rows.len();
+            Some([rect(count - 3), rect(count - 2)])
+        }
+        _ => None,
+    });
+    let [own, next] = rows.unwrap();
+    let (_, error, _) = painted(&hand).into_iter().find(|(text, ..)| text.starts_with('◀')).unwrap();
+    assert!(error.bottom() <= next.top() + 1.0 && error.top() >= own.top() + 12.0, "{error:?} {own:?} {next:?}");
 }

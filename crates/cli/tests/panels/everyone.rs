@@ -364,3 +364,67 @@ fn nothing_is_wider_than_the_panel_however_narrow_the_window_is() {
     let all: Vec<String> = all.flat_map(|(name, width)| cut(name, width)).collect();
     assert!(all.is_empty(), "{}", all.join("\n"));
 }
+
+#[test]
+fn frames_and_seconds_of_a_sequence_keep_what_was_typed_last() {
+    let mut hand = Hand::new(preset("lit").unwrap());
+    hand.click("final");
+    hand.click("final.sequence");
+    let value = |hand: &Hand, name: &str| hand.0.get_by_label(name).accesskit_node().numeric_value().unwrap();
+    hand.set("final.frames", 8.0);
+    hand.set("final.fps", 2.0);
+    assert_eq!(value(&hand, "final.frames"), 8.0);
+    assert!(hand.0.query_all_by_value("8 frames = 4 s").next().is_some());
+    hand.set("final.seconds", 2.0);
+    assert_eq!(value(&hand, "final.frames"), 4.0);
+    hand.set("final.fps", 10.0);
+    assert_eq!((value(&hand, "final.frames"), value(&hand, "final.seconds")), (20.0, 2.0));
+}
+
+#[test]
+fn a_scene_that_moves_is_turned_only_if_that_is_asked_for() {
+    let is_on = |hand: &Hand, name: &str| {
+        let node = hand.0.get_by_label(name);
+        node.accesskit_node().toggled() == Some(egui::accesskit::Toggled::True)
+    };
+    let mut hand = Hand::new(preset("lit").unwrap());
+    hand.click("final");
+    hand.click("final.sequence");
+    assert!(is_on(&hand, "final.turntable"));
+    hand.model().edit("animation", |scene| {
+        let key = |time: f64, angle: f64| scene::Key { time, value: angle.into(), ease: scene::Ease::Linear };
+        scene.animation.set_key("camera.azimuth", key(0.0, 0.0));
+        scene.animation.set_key("camera.azimuth", key(4.0, 90.0));
+    });
+    hand.0.run_steps(2);
+    assert!(!is_on(&hand, "final.turntable"));
+    let said = |hand: &Hand| {
+        let is_it = |text: &String| text.starts_with("azimuth is keyed");
+        hand.0.query_all_by(move |node| node.value().as_ref().is_some_and(is_it)).next().is_some()
+    };
+    assert!(!said(&hand));
+    hand.click("final.turntable");
+    assert!(is_on(&hand, "final.turntable") && said(&hand));
+}
+
+#[test]
+fn numbers_have_four_digits_and_all_reset_arrows_one_column() {
+    let mut start = preset("fur").unwrap();
+    start.camera.azimuth = 17.809_26;
+    let mut hand = Hand::new(start);
+    hand.click("Camera");
+    hand.0.run_steps(30);
+    let painted = |hand: &Hand, wanted: &str| {
+        hand.0.output().shapes.iter().any(|clipped| match &clipped.shape {
+            egui::Shape::Text(text) => text.galley.text() == wanted,
+            _ => false,
+        })
+    };
+    assert!(painted(&hand, "17.81"));
+    let sliders: Vec<String> =
+        hand.names(Role::Slider).into_iter().filter(|name| name.starts_with("parameters.")).collect();
+    assert!(sliders.len() > 3 && sliders.contains(&"parameters.hair_length".into()), "{sliders:?}");
+    let lefts: BTreeSet<i32> =
+        sliders.iter().map(|name| hand.rect(&format!("{name}.reset")).left().round() as i32).collect();
+    assert_eq!(lefts.len(), 1, "{lefts:?}");
+}

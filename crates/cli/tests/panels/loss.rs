@@ -126,11 +126,16 @@ fn what_was_kept_is_offered_and_comes_back_and_opened_files_are_remembered() {
     assert_eq!(hand.scene(), scene);
     assert_eq!(hand.0.state_mut().panels.author.text, own);
     assert!(hand.0.query_by_label("kept.open").is_none() && kept.join("scene.toml").exists());
+    // It stays unsaved, of no file, until it is saved.
+    assert!(hand.model().is_dirty() && hand.model().file().is_none());
+    let saved = folder.path().join("saved.toml");
+    assert!(hand.model().save(&saved));
+    hand.0.run_steps(2);
     // The next window lists the file.
     let mut next = Hand::new(preset("fur").unwrap());
     next.0.state_mut().panels.remember(Vec::new(), cache);
     next.click("File");
-    next.click(&format!("recent {}", kept.join("scene.toml").display()));
+    next.click(&format!("recent {}", saved.display()));
     assert_eq!(next.scene(), scene);
 }
 

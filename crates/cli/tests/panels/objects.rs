@@ -1,7 +1,7 @@
 //! The list of objects: eyes, locks and names.
 
 use super::Hand;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use hypertexture::scene::{ParameterValue, preset};
 
 /// Three objects, of which `b` has a keyframe.
@@ -70,4 +70,35 @@ fn an_object_keeps_formula_parameters_and_keyframes_under_another_name() {
     }
     hand.click("undo");
     assert_eq!(hand.scene(), before);
+}
+
+#[test]
+fn objects_are_combined_by_buttons() {
+    let mut hand = three();
+    hand.click("object b");
+    hand.click("combine.intersect");
+    assert_eq!(hand.scene().combine.as_deref(), Some("(main & b) | c"), "{}", said(&mut hand));
+    hand.click("combine.union");
+    assert_eq!(hand.scene().combine, None, "the union of all needs no formula");
+    hand.click("object c");
+    hand.click("combine.cut");
+    assert_eq!(hand.scene().combine.as_deref(), Some("(main | b) - c"));
+    hand.picture("operations");
+    // A formula of another kind has no buttons.
+    hand.write("combine", "main - (b | c)");
+    assert!(hand.0.query_by_label("combine.cut").is_none());
+}
+
+#[test]
+fn a_groom_of_several_objects_is_switched_off_with_the_reason() {
+    let mut hand = three();
+    hand.click("Groom");
+    hand.0.run_steps(30);
+    let reason = "a groom needs a scene of one object: remove the others to paint";
+    assert!(hand.0.query_all_by_value(reason).next().is_some());
+    assert!(hand.0.get_by_label("brush.cut").accesskit_node().is_disabled());
+    let mut alone = Hand::new(preset("fur").unwrap());
+    alone.click("Groom");
+    alone.0.run_steps(30);
+    assert!(!alone.0.get_by_label("brush.cut").accesskit_node().is_disabled());
 }

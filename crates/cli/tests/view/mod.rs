@@ -2,6 +2,7 @@
 
 mod displays;
 mod hands;
+mod keep;
 mod studio;
 
 use hypertexture::output::read_provenance;

@@ -42,8 +42,8 @@ fn menus_do_what_keys_do_and_a_scene_leaves_as_mesh_and_volume() {
         )
     };
     let script = format!(
-        "wait picture\nclick menu Help\nframes 3\nclick menu this list\nframes 3\nwrite help.search light\nkey Esc\nkey Esc\n\
-         click menu Render\nframes 3\nclick menu final picture, sequence, video, mesh, volume or page\nframes 3\n{}{}{}{}quit\n",
+        "wait picture\nclick menu Help\nframes 3\nclick menu Keys\nframes 3\nwrite help.search light\nkey Esc\nkey Esc\n\
+         click menu File\nframes 3\nclick menu Export...\nframes 3\n{}{}{}{}quit\n",
         export("mesh", &mesh),
         export("volume", &volume),
         export("page", &page),

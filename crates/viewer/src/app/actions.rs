@@ -3,10 +3,12 @@
 use super::state::App;
 use crate::finals::Order;
 use crate::keys::Action;
+use crate::painting::SEVERAL;
 use crate::panels::{Question, Request, SIDES};
 use crate::worker::Variant;
 use egui::Ui;
 use hypertexture::scene::{self, Camera, Scene};
+use hypertexture::shader::slots::MAIN;
 use hypertexture_measure::metric::Metric;
 use hypertexture_measure::pick::{ErrorBound, Pick};
 use hypertexture_measure::statistics::rounded_up;
@@ -17,11 +19,57 @@ use std::time::{Duration, Instant};
 const CALM: Duration = Duration::from_millis(500);
 
 impl App {
+    /// Performs the action of a key. One without an effect says why.
     pub(super) fn act(&mut self, action: Action) {
         match action {
-            Action::Help => self.help = !self.help,
-            Action::Play => self.request(Request::Pause(self.time.clock.is_some())),
+            Action::New => self.request(Request::New),
+            Action::Open => self.panels.choose_file(),
+            Action::Save => self.panels.save(&mut self.model),
+            Action::SaveAs => self.panels.save_as(&self.model),
+            Action::Export => self.panels.finals.is_open ^= true,
+            Action::Quit => self.ask_to_quit(),
+            Action::Undo => {
+                if !self.model.undo() {
+                    self.note("there is nothing to undo");
+                }
+            }
+            Action::Redo => {
+                if !self.model.redo() {
+                    self.note("there is nothing to redo");
+                }
+            }
+            Action::Duplicate => self.duplicate(),
+            Action::Delete => self.delete(),
+            Action::Place => self.toggle_placement(),
+            Action::Paint => self.toggle_brush(),
+            Action::Weaker => self.strengthen(0.8),
+            Action::Stronger => self.strengthen(1.25),
+            Action::Frame => self.frame_objects(),
             Action::Reset => self.request(Request::ResetCamera),
+            Action::Side(index) => {
+                let (name, azimuth, elevation) = SIDES[index];
+                self.navigation.glide = None;
+                if self.turns() {
+                    self.model.look(|camera| {
+                        (camera.azimuth, camera.elevation, camera.rotation) = (azimuth, elevation, None);
+                    });
+                    self.model.end_undo_group();
+                    self.note(format!("from the {name}"));
+                }
+            }
+            Action::Level => {
+                self.navigation.level = !self.navigation.level;
+                self.note(if self.navigation.level { "a drag orbits level" } else { "a drag turns like a ball" });
+            }
+            Action::Inertia => {
+                self.navigation.inertia = !self.navigation.inertia;
+                self.navigation.glide = None;
+                self.note(if self.navigation.inertia { "inertia on" } else { "inertia off" });
+            }
+            Action::Panels => self.panels.hidden ^= true,
+            Action::Controls => self.panels.hidden = false,
+            Action::FullScreen => self.full_screen = !self.full_screen,
+            Action::Play => self.request(Request::Pause(self.time.clock.is_some())),
             Action::Previous => self.step(-1),
             Action::Next => self.step(1),
             Action::Screenshot => self.request(Request::Screenshot(self.free_name("hypertexture", ".png"))),
@@ -30,46 +78,99 @@ impl App {
                 let kept = self.comparison.pinned.is_none().then(|| Box::new(self.shown()));
                 self.request(Request::Split(kept));
             }
-            Action::Validity => self.request(Request::Validity(!self.validity)),
-            Action::Inertia => {
-                self.navigation.inertia = !self.navigation.inertia;
-                self.navigation.glide = None;
-                self.note(if self.navigation.inertia { "inertia on" } else { "inertia off" });
-            }
-            Action::Paint => self.panels.painting.is_on ^= true,
-            Action::Weaker => {
-                self.panels.painting.brush.strength = (self.panels.painting.brush.strength / 1.25).max(0.02)
-            }
-            Action::Stronger => {
-                self.panels.painting.brush.strength = (self.panels.painting.brush.strength * 1.25).min(1.0)
-            }
-            Action::Level => self.navigation.level = !self.navigation.level,
-            Action::Side(index) => {
-                let (_, azimuth, elevation) = SIDES[index];
-                self.navigation.glide = None;
-                self.model.edit("camera", |scene| {
-                    let camera = &mut scene.camera;
-                    (camera.azimuth, camera.elevation, camera.rotation) = (azimuth, elevation, None);
-                });
-                self.model.end_undo_group();
+            Action::Look if self.comparison.pinned.is_none() => {
+                self.note("there is nothing to compare with: C pins this variant first");
             }
             Action::Look => self.comparison.view.next(),
-            Action::Place => self.toggle_placement(),
-            Action::Lesson => self.lesson.is_open ^= true,
             Action::Inspect => self.inspect_under_pointer(),
             Action::Worst => self.jump_to_worst(),
-            Action::Undo => drop(self.model.undo()),
-            Action::Redo => drop(self.model.redo()),
-            Action::FullScreen => self.full_screen = !self.full_screen,
+            Action::Validity => self.request(Request::Validity(!self.validity)),
+            Action::Help => self.help = !self.help,
+            Action::Lesson => self.lesson.is_open ^= true,
             Action::Leave if self.help => self.help = false,
             Action::Leave if self.full_screen => self.full_screen = false,
             Action::Leave => self.panels.ask(Question::Quit),
-            Action::Save => self.panels.save(&mut self.model),
-            Action::Open => self.panels.choose_file(),
-            Action::Panels => self.panels.hidden ^= true,
-            Action::Controls => self.panels.hidden = false,
-            Action::Withheld => self.note("the text field has the keys: press Esc or click the picture to leave it"),
         }
+    }
+
+    /// States of the actions that are switched on and off.
+    pub(super) fn states(&self) -> Vec<(Action, bool)> {
+        [
+            (Action::Play, self.time.clock.is_some()),
+            (Action::Compare, self.comparison.pinned.is_some()),
+            (Action::Validity, self.validity),
+            (Action::Paint, self.panels.painting.is_on),
+            (Action::Inertia, self.navigation.inertia),
+            (Action::Level, self.navigation.level),
+            (Action::Inspect, self.inspector.is_open()),
+            (Action::Lesson, self.lesson.is_open),
+            (Action::Place, self.objects.places),
+            (Action::FullScreen, self.full_screen),
+            (Action::Record, self.panels.finals.frames().is_some()),
+            (Action::Panels, self.panels.hidden),
+            (Action::Help, self.help),
+        ]
+        .into()
+    }
+
+    /// Turns the brush on or off.
+    fn toggle_brush(&mut self) {
+        if self.model.scene().has_several() {
+            self.panels.painting.is_on = false;
+            return self.note(SEVERAL);
+        }
+        self.panels.painting.is_on ^= true;
+        self.note(match self.panels.painting.is_on {
+            true => "the brush paints where a drag begins on the object; beside it, the drag turns the view",
+            false => "the brush is off",
+        });
+    }
+
+    fn strengthen(&mut self, factor: f32) {
+        let painting = &mut self.panels.painting;
+        if !painting.is_on {
+            return self.note("the brush is off: B turns it on");
+        }
+        painting.brush.strength = (painting.brush.strength * factor).clamp(0.02, 1.0);
+        let strength = painting.brush.strength;
+        self.note(format!("strength of the brush: {strength:.2}"));
+    }
+
+    /// Duplicates the selected object, or the main one.
+    fn duplicate(&mut self) {
+        let from = self.panels.selected().map(String::from);
+        if let Some(name) = self.model.duplicate_part(from.as_deref()) {
+            self.note(format!("{} is duplicated as {name}: G places it", from.as_deref().unwrap_or(MAIN)));
+            self.panels.select(Some(name));
+        }
+    }
+
+    /// Removes the selected keyframe, else the selected object.
+    fn delete(&mut self) {
+        if self.panels.remove_key(&mut self.model) {
+            return self.model.end_undo_group();
+        }
+        match self.panels.selected().map(String::from) {
+            None if self.model.scene().parts.is_empty() => self.note("the only object cannot be removed"),
+            None => self.note("the main object cannot be removed: select another one"),
+            Some(name) if self.panels.is_locked(&name) => {
+                self.note(format!("{name} is locked: unlock it in Objects first"));
+            }
+            Some(name) => {
+                if self.model.remove_part(&name) {
+                    self.note(format!("{name} is removed: Ctrl+Z brings it back"));
+                }
+            }
+        }
+    }
+
+    /// Whether the view can be moved; says so if not.
+    pub(super) fn turns(&mut self) -> bool {
+        let is_fixed = self.model.scene().camera.matrices.is_some();
+        if is_fixed {
+            self.note("camera.matrices fix the view: remove them in Camera, Advanced, to move it");
+        }
+        !is_fixed
     }
 
     pub(super) fn request(&mut self, request: Request) {
@@ -79,7 +180,10 @@ impl App {
                 let time = self.model.scene().camera.time;
                 let home = Camera { time, ..self.model.home().clone() };
                 self.navigation.glide = None;
-                self.model.edit("camera", |scene| scene.camera = home);
+                // A step of the history: more than the view is replaced.
+                self.model.end_undo_group();
+                self.model.edit("reset view", |scene| scene.camera = home);
+                self.model.end_undo_group();
             }
             Request::Split(kept) => {
                 self.comparison.pinned = kept.map(|scene| (*scene, self.library.clone()));
@@ -97,14 +201,14 @@ impl App {
             Request::Pause(false) => self.time.clock = Some(self.model.scene().camera.time),
             Request::Pause(true) => {
                 if let Some(clock) = self.time.clock.take() {
-                    self.model.edit("camera.time", |scene| scene.camera.time = clock);
+                    self.model.look(|camera| camera.time = clock);
                 }
             }
             Request::Time(time) => {
                 self.time.playback.reach(time);
                 match &mut self.time.clock {
                     Some(clock) => *clock = time,
-                    None => drop(self.model.edit("camera.time", |scene| scene.camera.time = time)),
+                    None => drop(self.model.look(|camera| camera.time = time)),
                 }
             }
             Request::Playback(playback) => self.time.playback = playback,
@@ -123,7 +227,20 @@ impl App {
             }
             Request::Open(path) => self.open(&path),
             Request::Act(action) => self.act(action),
+            // Texts of modules and running renders go on.
+            Request::New if self.model.is_dirty() => self.panels.ask(Question::New),
+            Request::New => self.begin(),
+            Request::Begin => self.begin(),
             Request::Quit => self.quit = true,
+        }
+    }
+
+    /// Begins a new scene.
+    fn begin(&mut self) {
+        self.navigation.glide = None;
+        self.panels.select(None);
+        if self.model.begin() {
+            self.note("a new scene; Ctrl+Z goes back");
         }
     }
 

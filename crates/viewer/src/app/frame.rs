@@ -37,6 +37,7 @@ impl App {
         let now = Instant::now();
         let passed = now.duration_since(self.time.last_frame).as_secs_f64();
         self.time.last_frame = now;
+        let before = self.model.scene().clone();
         if !self.panels.is_asking() {
             self.type_number(ui.ctx());
             keys::pressed(ui.ctx()).into_iter().for_each(|action| self.act(action));
@@ -59,6 +60,7 @@ impl App {
         self.place = ui.available_rect_before_wrap();
         let response = ui.allocate_rect(self.place, Sense::click_and_drag());
         self.navigate(ui, &response);
+        self.hold_frame(&before);
         self.glide(passed);
         if let Some(clock) = &mut self.time.clock {
             *clock = self.time.playback.after(*clock, passed);
@@ -69,6 +71,6 @@ impl App {
         self.screen.draw(ui, self.place, &self.comparison.view);
         self.show_over(ui);
         self.pick(ui, now);
-        keys::writes(ui.ctx());
+        keys::note_writing(ui.ctx());
     }
 }

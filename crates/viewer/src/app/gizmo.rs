@@ -24,7 +24,7 @@ const DIGITS: usize = 12;
 
 impl App {
     /// A point of the picture, in points of the window.
-    fn on_screen(&self, [x, y]: [f32; 2]) -> Pos2 {
+    pub(super) fn on_screen(&self, [x, y]: [f32; 2]) -> Pos2 {
         self.place.min + 0.5 * self.place.size() * vec2(x + 1.0, y + 1.0)
     }
 

@@ -2,8 +2,13 @@
 
 mod actions;
 mod frame;
+mod framing;
 mod gizmo;
+#[cfg(test)]
+mod hand;
 mod inspect;
+#[cfg(test)]
+mod monkey;
 mod mouse;
 mod objects;
 mod overlay;
@@ -11,6 +16,8 @@ mod paint;
 mod receive;
 mod state;
 mod submit;
+#[cfg(test)]
+mod tests;
 
 pub(crate) use state::App;
 pub use state::Start;

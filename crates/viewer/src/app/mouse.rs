@@ -31,9 +31,13 @@ impl App {
                 () if modifiers.command => Drag::Light,
                 () => Drag::Turn,
             };
+            if self.navigation.drag != Drag::Light {
+                self.turns();
+            }
             (self.navigation.glide, self.navigation.last_turn) = (None, (DVec3::Y, 0.0));
         }
-        if let Some(to) = response.interact_pointer_pos().filter(|_| response.dragged()) {
+        let is_fixed = self.model.scene().camera.matrices.is_some() && self.navigation.drag != Drag::Light;
+        if let Some(to) = response.interact_pointer_pos().filter(|_| response.dragged() && !is_fixed) {
             match self.navigation.drag {
                 Drag::Turn if self.navigation.level => self.orbit(delta),
                 Drag::Turn => self.roll(ui, to, delta),
@@ -63,9 +67,9 @@ impl App {
                 && let Some(half) = self.half_height()
             {
                 let from = (at - self.place.center()) / (0.5 * self.place.height().max(1.0));
-                self.model.edit("camera.zoom", |scene| {
-                    scene.camera = zoom_to(&scene.camera, factor, [from.x, -from.y], half);
-                });
+                if self.turns() {
+                    self.model.look(|camera| *camera = zoom_to(camera, factor, [from.x, -from.y], half));
+                }
             }
         }
     }
@@ -102,7 +106,7 @@ impl App {
     fn orbit(&mut self, delta: Vec2) {
         if delta != Vec2::ZERO {
             let part = delta / self.place.width().min(self.place.height()).max(1.0);
-            self.model.edit("camera", |scene| scene.camera = orbit(&scene.camera, part.into()));
+            self.model.look(|camera| *camera = orbit(camera, part.into()));
         }
     }
 
@@ -111,9 +115,9 @@ impl App {
             && let Some(half) = self.half_height()
         {
             let unit = half / (0.5 * self.place.height().max(1.0));
-            self.model.edit("camera", |scene| {
-                let [x, y] = scene.camera.pan;
-                scene.camera.pan = [x + delta.x * unit, y - delta.y * unit].map(|side| side.clamp(-100.0, 100.0));
+            self.model.look(|camera| {
+                let [x, y] = camera.pan;
+                camera.pan = [x + delta.x * unit, y - delta.y * unit].map(|side| side.clamp(-100.0, 100.0));
             });
         }
     }
@@ -127,7 +131,7 @@ impl App {
 
     fn turn(&mut self) {
         let rotation = self.navigation.ball.rotation();
-        self.model.edit("camera", |scene| scene.camera.rotation = Some(rotation));
+        self.model.look(|camera| camera.rotation = Some(rotation));
     }
 
     /// Rotates a gliding trackball.

@@ -2,10 +2,12 @@
 
 use super::state::App;
 use crate::keys::{self, Action};
-use crate::panels::MENUS;
-use crate::panels::widgets::named;
+use crate::load::Progress;
+use crate::panels::widgets::{brief, named};
+use crate::panels::{self, MENUS};
 use crate::status::Cost;
-use egui::{Align2, Area, Color32, Frame, Id, ProgressBar, RichText, Sense, TextEdit, Ui, Vec2};
+use egui::{Align2, Area, Color32, Frame, Id, Label, ProgressBar, RichText, ScrollArea, Sense};
+use egui::{TextEdit, Ui, Vec2, Window};
 use hypertexture::scene::Scene;
 use std::collections::BTreeMap;
 
@@ -25,14 +27,22 @@ impl App {
         self.teach(ui);
         self.show_light(ui);
         self.show_gizmo(ui);
+        self.show_selected(ui);
         self.show_brush(ui);
         let dark = Frame::popup(ui.style());
-        if let Some((name, done)) = self.loader.progress() {
-            Area::new(Id::new("loading")).fixed_pos(place.center() - Vec2::new(130.0, 30.0)).show(ui.ctx(), |ui| {
+        if let Some(Progress { name, done, seconds }) = self.loader.progress() {
+            // At the edge, so that the object before it stays visible.
+            let area = Area::new(Id::new("loading")).fixed_pos(place.center_top() + Vec2::new(0.0, 12.0));
+            area.pivot(Align2::CENTER_TOP).show(ui.ctx(), |ui| {
                 dark.show(ui, |ui| {
-                    ui.set_width(260.0);
-                    ui.label(format!("distance field of {name}"));
-                    ui.add(ProgressBar::new(done).show_percentage());
+                    ui.set_width(260.0_f32.min((place.width() - 40.0).max(120.0)));
+                    if done > 0.0 {
+                        ui.add(Label::new(format!("distance field of {name}, {seconds} s")).truncate());
+                        ui.add(ProgressBar::new(done).show_percentage());
+                    } else {
+                        ui.add(Label::new(format!("reading {name}, {seconds} s")).truncate());
+                        ui.add(ProgressBar::new(0.0).animate(true));
+                    }
                     if ui.button("Cancel").clicked() {
                         self.loader.cancel();
                         self.note(format!("loading {name} was cancelled"));
@@ -52,9 +62,14 @@ impl App {
                 },
             );
         }
-        if self.help {
-            Area::new(Id::new("help")).fixed_pos(place.left_top() + Vec2::new(16.0, 16.0)).show(ui.ctx(), |ui| {
-                dark.show(ui, |ui| self.show_keys(ui));
+        self.show_keys(ui);
+        if self.panels.painting.is_on && !self.panels.is_asking() {
+            let area = Area::new(Id::new("brush bar")).fixed_pos(place.center_bottom() + Vec2::new(0.0, -12.0));
+            area.pivot(Align2::CENTER_BOTTOM).show(ui.ctx(), |ui| {
+                dark.show(ui, |ui| {
+                    ui.set_max_width((place.width() - 40.0).max(120.0));
+                    panels::brush_bar(ui, &mut self.panels.painting);
+                })
             });
         }
     }
@@ -75,39 +90,45 @@ impl App {
         }
     }
 
-    fn show_keys(&mut self, ui: &mut Ui) {
-        let search = ui.add(TextEdit::singleline(&mut self.help_search).hint_text("search").desired_width(160.0));
-        named(ui, &search, "help.search");
-        let sought = self.help_search.to_lowercase();
-        egui::Grid::new("keys").num_columns(2).spacing([18.0, 4.0]).show(ui, |ui| {
-            let state = |action: Action| match action {
-                Action::Play => Some(self.time.clock.is_some()),
-                Action::Compare => Some(self.comparison.pinned.is_some()),
-                Action::Validity => Some(self.validity),
-                Action::Paint => Some(self.panels.painting.is_on),
-                Action::Inertia => Some(self.navigation.inertia),
-                Action::Level => Some(self.navigation.level),
-                Action::Inspect => Some(self.inspector.is_open()),
-                Action::Lesson => Some(self.lesson.is_open),
-                Action::Place => Some(self.objects.places),
-                Action::FullScreen => Some(self.full_screen),
-                Action::Record => Some(self.panels.finals.frames().is_some()),
-                _ => None,
-            };
-            let mut row = |name: &str, what: &str| {
-                if [name, what].iter().any(|text| text.to_lowercase().contains(&sought)) {
-                    ui.label(RichText::new(name).strong());
-                    ui.label(what);
-                    ui.end_row();
-                }
-            };
-            for action in MENUS.iter().flat_map(|(_, actions)| *actions) {
-                let Some(binding) = keys::KEYS.iter().find(|binding| binding.action == *action) else { continue };
-                let state = state(*action).map_or("", |on| if on { " (on)" } else { " (off)" });
-                row(binding.name, &format!("{}{state}", binding.what));
-            }
-            keys::MOUSE.iter().for_each(|(name, what)| row(name, what));
+    /// Shows the list of keys, in the groups of the menus.
+    fn show_keys(&mut self, ui: &Ui) {
+        let (mut is_open, place, states) = (self.help, self.place, self.states());
+        let window = Window::new("Keys").id(Id::new("help")).open(&mut is_open).collapsible(false).resizable(false);
+        let window = window.default_pos(place.left_top() + Vec2::splat(16.0)).constrain_to(place);
+        window.show(ui.ctx(), |ui| {
+            let search = ui.add(TextEdit::singleline(&mut self.help_search).hint_text("search").desired_width(160.0));
+            named(ui, &search, "help.search");
+            let sought = self.help_search.to_lowercase();
+            let most = (place.height() - 120.0).max(80.0);
+            ScrollArea::vertical().max_height(most).show(ui, |ui| {
+                egui::Grid::new("keys").num_columns(2).spacing([18.0, 4.0]).show(ui, |ui| {
+                    let mut group = |title: &str, rows: Vec<(&str, String)>| {
+                        let fits = |text: &str| text.to_lowercase().contains(&sought);
+                        let found = rows.into_iter().filter(|(name, what)| fits(name) || fits(what));
+                        for (index, (name, what)) in found.enumerate() {
+                            if index == 0 {
+                                ui.label(RichText::new(title).weak());
+                                ui.end_row();
+                            }
+                            ui.label(RichText::new(name).strong());
+                            ui.label(what);
+                            ui.end_row();
+                        }
+                    };
+                    for (title, actions) in MENUS {
+                        let row = |action: &Action| {
+                            let binding = keys::KEYS.iter().find(|binding| binding.action == *action)?;
+                            let state = states.iter().find(|(own, _)| own == action);
+                            let state = state.map_or("", |(_, on)| if *on { " (on)" } else { " (off)" });
+                            Some((binding.name, format!("{}{state}", binding.what)))
+                        };
+                        group(title, actions.iter().filter_map(row).collect());
+                    }
+                    group("Mouse", keys::MOUSE.iter().map(|(name, what)| (*name, what.to_string())).collect());
+                });
+            });
         });
+        self.help &= is_open;
     }
 }
 
@@ -117,7 +138,7 @@ fn titles(now: &Scene, kept: &Scene) -> [String; 2] {
         // The camera is shared, and the description does not matter.
         let differs = |name: &str| !name.starts_with("camera.") && name != "about";
         let fields = scene.fields().into_iter().filter(|(name, _)| differs(name));
-        fields.map(|(name, value)| (name, value.to_string())).collect()
+        fields.map(|(name, value)| (name, brief(&value))).collect()
     };
     let both = [fields(now), fields(kept)];
     let names: Vec<&String> =
@@ -128,7 +149,7 @@ fn titles(now: &Scene, kept: &Scene) -> [String; 2] {
         0 => String::new(),
         count => format!(", and {count} more"),
     };
-    let value = |index: usize| both[index].get(first).map_or("default", |value| value.trim_matches('"'));
+    let value = |index: usize| both[index].get(first).map_or("default", String::as_str);
     [format!("now: {first} = {}{more}", value(0)), format!("kept: {}", value(1))]
 }
 
@@ -145,6 +166,8 @@ mod tests {
         assert_eq!(titles(&now, &kept), ["now", "kept: the same"]);
         now.effect.turbulence = "procedural".into();
         assert_eq!(titles(&now, &kept), ["now: effect.turbulence = procedural", "kept: encoded"]);
+        (now.effect, now.object.shell) = (kept.effect.clone(), 0.123_456_79);
+        assert_eq!(titles(&now, &kept)[0], "now: object.shell = 0.1235");
         now.quality.samples += 1;
         assert!(titles(&now, &kept)[0].ends_with(", and 1 more"), "{:?}", titles(&now, &kept));
     }

@@ -1,7 +1,6 @@
 //! Results of other threads, and the status for the panels.
 
-use super::state::App;
-use super::submit::GOOD;
+use super::state::{App, GOOD, Standing};
 use crate::panels::Status;
 use crate::status::{Figures, Stage};
 use crate::worker::Event;
@@ -26,6 +25,7 @@ impl App {
                     let figures = &mut self.figures;
                     (figures.stage, figures.size, figures.samples) = (picture.stage, picture.size, picture.samples);
                     (figures.gpu_ms, figures.difference) = (picture.gpu_ms, picture.difference);
+                    figures.done = picture.done;
                     (figures.error, figures.standard_error) = (picture.error, picture.standard_error);
                     (figures.validity, figures.costs) = (picture.validity, picture.costs);
                     if picture.stage == Stage::Coarse {
@@ -63,6 +63,19 @@ impl App {
         }
     }
 
+    /// Contents of the picture while an object of the scene is not loaded, in words.
+    fn standing_words(&self) -> String {
+        let name = &self.model.scene().object.input;
+        match (self.jobs.standing, self.loader.progress()) {
+            (Standing::Coarser, Some(_)) => "preview: a finer field is being computed".into(),
+            (Standing::Before, Some(loading)) => format!("preview of the previous object: {} is loading", loading.name),
+            (Standing::Nothing, Some(loading)) => format!("{} is loading", loading.name),
+            (Standing::Coarser, None) => "preview: the field of the scene was not computed".into(),
+            (Standing::Before, None) => format!("preview of the previous object: {name} is not loaded"),
+            (Standing::Nothing, None) => format!("no picture: {name} is not loaded"),
+        }
+    }
+
     pub(super) fn status(&mut self) -> Status {
         let Figures { error, standard_error, size, samples, .. } = &self.figures;
         let recording = self.panels.finals.frames();
@@ -72,10 +85,10 @@ impl App {
         // Only previews are frequent enough for a standard deviation.
         let spread = if self.figures.stage == Stage::Coarse { variance.sqrt() } else { 0.0 };
         Status {
-            frame_ms: (!recent.is_empty()).then_some([self.figures.gpu_ms, spread]),
+            frame_ms: (!recent.is_empty() && self.figures.gpu_ms > 0.0).then_some([self.figures.gpu_ms, spread]),
             error: error.map(|error| [error, standard_error.unwrap_or(error)]),
             picture: match self.jobs.lacks_object {
-                true => "preview: the object is not loaded yet".into(),
+                true => self.standing_words(),
                 false if self.lesson.is_held() && self.figures.stage == Stage::Scene => "\u{1f4cc} as drawn".into(),
                 false => self.figures.words(self.max_error.unwrap_or(GOOD)),
             },
@@ -99,6 +112,7 @@ impl App {
             playback: self.time.playback,
             lesson: self.lesson.is_open,
             level: self.navigation.level,
+            states: self.states(),
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::compare::Comparison;
 use crate::densities::Densities;
 use crate::inspect::Inspector;
 use crate::lesson::Lesson;
-use crate::load::Loader;
+use crate::load::{Loader, Progress};
 use crate::message::Message;
 use crate::model::Model;
 use crate::panels::Panels;
@@ -29,6 +29,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
+/// Error target without `--max-error`: half a step of 8 bits in the mid tones.
+pub(super) const GOOD: f64 = 1e-3;
+
 /// Arguments of the window.
 pub struct Start {
     /// The scene, which has passed its checks.
@@ -47,6 +50,8 @@ pub struct Start {
     pub frames: Option<u32>,
     /// Path of a screenshot, taken after `frames`, or once the picture has converged.
     pub screenshot: Option<PathBuf>,
+    /// The file from which the scene was read.
+    pub file: Option<PathBuf>,
     /// Path of a script of user input.
     pub script: Option<PathBuf>,
     /// Start of the program.
@@ -115,6 +120,8 @@ pub(super) struct Navigation {
     pub(super) level: bool,
     pub(super) drag: Drag,
     pub(super) dragging: bool,
+    /// Whether a stroke of the brush was refused, whose drag moves nothing.
+    pub(super) is_refused: bool,
     /// Position of the pointer over the picture.
     pub(super) pointer: Option<Pos2>,
 }
@@ -129,6 +136,7 @@ impl Navigation {
             level: false,
             drag: Drag::default(),
             dragging: false,
+            is_refused: false,
             pointer: None,
         }
     }
@@ -171,6 +179,18 @@ pub(super) struct Compared {
     pub(super) view: Comparison,
 }
 
+/// Contents of the picture while an object of the scene is not loaded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Standing {
+    /// No picture.
+    #[default]
+    Nothing,
+    /// The object with another field.
+    Coarser,
+    /// The object that was shown before.
+    Before,
+}
+
 /// Jobs of the render thread, and the picture on the screen.
 pub(crate) struct Jobs {
     /// The job that was submitted last.
@@ -189,6 +209,8 @@ pub(crate) struct Jobs {
     pub(super) fresh: bool,
     /// Whether an object of the current scene is not loaded.
     pub(crate) lacks_object: bool,
+    /// Contents of the picture while that is so.
+    pub(super) standing: Standing,
     /// View of the picture on the screen.
     pub(super) shown_view: Option<ViewPose>,
     /// View of the current scene.
@@ -206,6 +228,7 @@ impl Jobs {
             waiting_since: None,
             fresh: false,
             lacks_object: false,
+            standing: Standing::Nothing,
             shown_view: None,
             current_view: None,
         }
@@ -224,7 +247,8 @@ pub(super) struct Search {
 impl App {
     /// A window without a device.
     pub(crate) fn new(start: &Start, notify: Notify) -> Result<App, ViewError> {
-        let model = Model::new(start.scene.clone(), start.library.clone())?;
+        let mut model = Model::new(start.scene.clone(), start.library.clone())?;
+        model.set_file(start.file.clone());
         let program = std::env::current_exe().unwrap_or_else(|_| PathBuf::from("hypertexture"));
         let mut panels = Panels::new(program, &model).map_err(scene::SceneError::from)?;
         panels.remember(unsaved::kept(), disk_cache::default_folder());
@@ -303,7 +327,13 @@ impl App {
 
     /// Notes unsaved work.
     pub(crate) fn note_unsaved(&mut self, latest: &Latest) {
-        latest.note(&self.model, &self.panels.author);
+        self.panels.restored.take().into_iter().for_each(|folder| latest.took(folder));
+        latest.note(&self.model, &self.panels.author, &self.panels.painting);
+    }
+
+    /// Notes unsaved work at the end of the window, also that of a stroke that goes on.
+    pub(crate) fn note_last(&self, latest: &Latest) {
+        latest.note_last(&self.model, &self.panels.author, &self.panels.painting);
     }
 
     /// The edited module.
@@ -334,9 +364,24 @@ impl App {
         self.figures.picking.is_none() && self.panels.finals.running.is_none() && !self.lesson.is_measuring()
     }
 
-    /// Name and progress of the object that is being loaded.
-    pub(crate) fn loading(&self) -> Option<(String, f32)> {
+    /// Progress of the object that is being loaded.
+    pub(crate) fn loading(&self) -> Option<Progress> {
         self.loader.progress()
+    }
+
+    /// What an automated run waits for.
+    pub(crate) fn awaited(&self) -> String {
+        let error = self.figures.error;
+        match (self.panels.finals.progress(), self.loading()) {
+            (Some(progress), _) => format!("the screenshot: {progress}"),
+            (None, Some(Progress { name, done, seconds })) if done > 0.0 => {
+                format!("the distance field of {name}: {:.0} %, {seconds} s", 100.0 * done)
+            }
+            (None, Some(Progress { name, seconds, .. })) => format!("{name}, which is read since {seconds} s"),
+            _ if !self.is_current() => "the first picture, whose programs are compiled".into(),
+            _ if error.is_some() => format!("the picture: {}", self.figures.words(self.max_error.unwrap_or(GOOD))),
+            _ => format!("the picture: {}", self.figures.words(GOOD)),
+        }
     }
 
     /// Shows a note.

@@ -1,16 +1,15 @@
 //! Jobs for the render thread.
 
-use super::state::App;
+use super::state::{App, GOOD, Standing};
 use crate::coarse::SIDE;
 use crate::worker::{Job, Variant, sight};
 use egui::Ui;
 use hypertexture::scene::Scene;
+use hypertexture::shader::Library;
 use std::borrow::Cow;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Error target without `--max-error`: half a step of 8 bits in the mid tones.
-pub(super) const GOOD: f64 = 1e-3;
 /// A scene rests if it has not changed for this long.
 const REST: Duration = Duration::from_millis(200);
 /// Interval between frames of a moving scene.
@@ -78,8 +77,10 @@ impl App {
                 Ok(Some(subject)) => variants.push(Variant { scene, library, subject }),
                 Ok(None) => {
                     lacks = true;
-                    let Some((scene, subject)) = self.loader.stand_in(&scene, &library) else { break };
-                    variants.push(Variant { scene, library, subject });
+                    let (standing, variant) = self.stand_in(variants.len(), &scene, &library);
+                    self.jobs.standing = standing;
+                    let Some(variant) = variant else { break };
+                    variants.push(variant);
                 }
                 Err(error) => self.fail(error.to_string()),
             }
@@ -141,6 +142,22 @@ impl App {
         }
     }
 
+    /// A stand-in for a variant whose object is not loaded: the same input with the field that there is, else the object
+    /// that was shown before, seen by the camera of the scene.
+    fn stand_in(&mut self, index: usize, scene: &Scene, library: &Arc<Library>) -> (Standing, Option<Variant>) {
+        if let Some((scene, subject)) = self.loader.stand_in(scene, library) {
+            return (Standing::Coarser, Some(Variant { scene, library: library.clone(), subject }));
+        }
+        let before = self.jobs.submitted.as_ref().and_then(|job| job.variants.get(index));
+        let before = before.and_then(|Variant { scene: own, library, subject }| {
+            let mut held = Scene { camera: scene.camera.clone(), ..own.clone() };
+            held.image.size = scene.image.size;
+            let (library, subject) = (library.clone(), subject.clone());
+            held.check(&library).is_ok().then_some(Variant { scene: held, library, subject })
+        });
+        (if before.is_some() { Standing::Before } else { Standing::Nothing }, before)
+    }
+
     /// Focus of the refinement, in fractions of the picture: the pointer, or the center.
     fn focus(&self) -> [f32; 2] {
         let part = |at: egui::Pos2| (at - self.place.min) / self.place.size();
@@ -169,8 +186,8 @@ mod tests {
     fn app() -> App {
         let (scene, library, options) = (preset("lit").unwrap(), shipped(), Options::from_env());
         let (window, began) = ([640, 400], Instant::now());
-        let (max_error, play, frames, screenshot, script) = (None, false, None, None, None);
-        let start = Start { scene, library, options, max_error, play, window, frames, screenshot, script, began };
+        let (max_error, play, frames, screenshot, file, script) = (None, false, None, None, None, None);
+        let start = Start { scene, library, options, max_error, play, window, frames, screenshot, file, script, began };
         App::new(&start, Arc::new(|| ())).unwrap()
     }
 
@@ -250,7 +267,7 @@ mod tests {
         app.model.edit("material.specular", |scene| scene.material.specular = 0.125);
         let next = post(&mut app).unwrap();
         assert_eq!(next.variants[0].scene.material.specular, 0.125, "it is not kept waiting");
-        assert_eq!(app.status().picture, "preview: the object is not loaded yet");
+        assert_eq!(app.status().picture, "preview: a finer field is being computed");
         let long = wait(&mut app, &mut post);
         assert!(!Arc::ptr_eq(&long.variants[0].subject, &short.variants[0].subject));
         assert_eq!(long.variants[0].scene.parameters, app.model.scene().parameters);

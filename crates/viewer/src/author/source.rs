@@ -243,7 +243,10 @@ impl Author {
     /// # Errors
     /// The file cannot be written.
     pub fn save(&mut self, path: &Path) -> Result<(), String> {
-        write_whole(path, self.text.as_bytes())
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        folder
+            .map_or(Ok(()), std::fs::create_dir_all)
+            .and_then(|()| write_whole(path, self.text.as_bytes()))
             .map_err(|error| format!("{}: {error}; nothing was written", path.display()))?;
         self.file = Some(self.watched(path));
         Ok(())

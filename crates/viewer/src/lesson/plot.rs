@@ -4,6 +4,9 @@ use crate::panels::widgets::named;
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
 use std::ops::RangeInclusive;
 
+/// Size of the labels, points: legible from the back of a room.
+const LABEL: f32 = 13.5;
+
 /// A diagram: a rectangle with a range of values on each axis.
 pub(super) struct Plot {
     pub(super) painter: Painter,
@@ -27,7 +30,7 @@ impl Plot {
         let painter = ui.painter_at(rect);
         painter.rect_filled(rect, 2.0, ui.visuals().extreme_bg_color);
         let [x, y] = [x, y].map(|range| [*range.start(), *range.end()]);
-        Plot { painter, inner: rect.shrink2(vec2(6.0, 14.0)), x, y, text: ui.visuals().text_color() }
+        Plot { painter, inner: rect.shrink2(vec2(6.0, LABEL + 5.0)), x, y, text: ui.visuals().text_color() }
     }
 
     /// The position of a pair of values.
@@ -53,7 +56,7 @@ impl Plot {
     pub(super) fn label(&self, [title, left, right]: [&str; 3]) {
         let rect = self.painter.clip_rect();
         let text = |corner: Align2, at: Pos2, text: &str| {
-            self.painter.text(at, corner, text, FontId::proportional(10.0), self.text);
+            self.painter.text(at, corner, text, FontId::proportional(LABEL), self.text);
         };
         text(Align2::LEFT_TOP, rect.left_top() + vec2(4.0, 1.0), title);
         text(Align2::LEFT_BOTTOM, rect.left_bottom() + vec2(4.0, -1.0), left);

@@ -9,7 +9,8 @@ use crate::model::Model;
 use crate::panels::widgets::{button, named};
 use crate::screen::encode_srgb;
 use crate::worker::{Job, Variant};
-use egui::{Color32, Label, Rect, RichText, Slider, SliderClamping, Stroke, TextureOptions, Ui, Window, vec2};
+use egui::{Color32, FontId, Label, Rect, RichText, Slider, SliderClamping, Stroke, TextStyle, TextureOptions};
+use egui::{Ui, Window, vec2};
 use hypertexture::noise::{Lattice, Period};
 use hypertexture::render::variant::Variant as Program;
 use hypertexture::scene::{ParameterValue, Pass};
@@ -22,7 +23,9 @@ const PAGES: [(Page, &str, &str, &str); 3] = [
     (Page::Turbulence, "Turbulence", "turbulence", "Noise octave by octave, and four ways to get the sum."),
 ];
 /// Width of the diagrams, points.
-const WIDTH: f32 = 340.0;
+const WIDTH: f32 = 440.0;
+/// Size of text, points: legible from the back of a room.
+const TEXT: f32 = 16.0;
 /// Samples that a lesson offers.
 const SAMPLES: [u32; 2] = [4, 512];
 /// Points of a curve.
@@ -32,7 +35,7 @@ const CELLS: f64 = 4.0;
 /// Place of the line through the noise.
 const ACROSS: [f64; 2] = [0.37, 0.61];
 /// Width of a small picture, points.
-const THUMBNAIL: f32 = 78.0;
+const THUMBNAIL: f32 = 100.0;
 
 impl Lesson {
     /// Shows the lesson over the picture in `place`, about the ray of `pixel`.
@@ -45,6 +48,13 @@ impl Lesson {
         notify: &Notify,
     ) {
         if !self.is_open {
+            if self.is_held() {
+                // The picture is refined again, with the settings from before.
+                let mut quality = model.scene().quality.clone();
+                self.hold(false, &mut quality);
+                model.edit("quality.samples", |scene| scene.quality = quality);
+                model.end_undo_group();
+            }
             return;
         }
         if let Some((job, pixel)) = job.filter(|(job, _)| !job.moving) {
@@ -53,7 +63,11 @@ impl Lesson {
         self.strategies.poll();
         let mut open = true;
         let window = Window::new("How it works").open(&mut open).resizable(false).constrain_to(place);
+        let window = window.vscroll(true).max_height((place.height() - 48.0).max(120.0));
         window.default_pos(place.left_top() + vec2(12.0, 12.0)).default_width(WIDTH).show(ui.ctx(), |ui| {
+            for (style, size) in [(TextStyle::Body, TEXT), (TextStyle::Button, TEXT)] {
+                ui.style_mut().text_styles.insert(style, FontId::proportional(size));
+            }
             ui.horizontal(|ui| {
                 for (page, text, name, doc) in PAGES {
                     let response = ui.selectable_value(&mut self.page, page, text).on_hover_text(doc);
@@ -93,7 +107,7 @@ impl Lesson {
         let Some(ray) = self.ray(ui) else { return };
         let [first, last] = ends(ray);
         from_the_side(ui, ray);
-        let plot = Plot::new(ui, "lesson.terraces", [WIDTH, 96.0], first..=last, 0.0..=1.0);
+        let plot = Plot::new(ui, "lesson.terraces", [WIDTH, 120.0], first..=last, 0.0..=1.0);
         let color = ui.visuals().selection.bg_fill;
         let half = 0.5 * ray.samples.windows(2).next().map_or(0.0, |pair| pair[1] - pair[0]);
         let steps = ray.samples.iter().flat_map(|at| [(at - half, ray.at(*at)), (at + half, ray.at(*at))]);
@@ -145,7 +159,7 @@ impl Lesson {
         if octaves != model.scene().effect.octaves {
             model.edit("effect.octaves", |scene| scene.effect.octaves = octaves);
         }
-        let plot = Plot::new(ui, "lesson.noise", [WIDTH, 120.0], 0.0..=CELLS, 0.0..=1.1);
+        let plot = Plot::new(ui, "lesson.noise", [WIDTH, 140.0], 0.0..=CELLS, 0.0..=1.1);
         let at = |x: f64| [x, ACROSS[0], ACROSS[1]];
         let places = || (0..=POINTS).map(|index| CELLS * f64::from(index) / f64::from(POINTS));
         let lattice = Lattice::default();
@@ -242,7 +256,7 @@ fn ends(ray: &Ray) -> [f64; 2] {
 fn from_the_side(ui: &mut Ui, ray: &Ray) {
     let [first, last] = ends(ray);
     let eye = first - 0.35 * (last - first);
-    let plot = Plot::new(ui, "lesson.side", [WIDTH, 110.0], eye..=last, -1.0..=1.0);
+    let plot = Plot::new(ui, "lesson.side", [WIDTH, 130.0], eye..=last, -1.0..=1.0);
     let visuals = ui.visuals().clone();
     for at in &ray.samples {
         let half = 0.25 + 0.75 * (at - eye) / (last - eye);

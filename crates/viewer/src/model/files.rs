@@ -2,14 +2,14 @@
 
 use super::state::Model;
 use crate::message::Message;
-use crate::painting::is_version;
+use crate::painting::{adopted, is_version};
 use hypertexture::output::{OutputError, read_provenance};
 use hypertexture::scene::{self, Reach, Scene, SceneError};
 use hypertexture::shader::Library;
 use hypertexture_measure::guard::edited;
 use hypertexture_support::{open, write_whole};
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 impl Model {
     /// Opens a scene file, or the scene of a picture; a file of any other kind becomes the object.
@@ -19,7 +19,15 @@ impl Model {
             |ends: &[&str]| path.extension().is_some_and(|end| ends.iter().any(|own| end.eq_ignore_ascii_case(own)));
         let is_picture = ends(&["png", "exr"]);
         if !is_picture && !ends(&["toml"]) {
-            return self.edit("object.input", |scene| scene.replace_object(&name));
+            let is_other = self.scene.object.input != name;
+            let good = self.edit("object.input", |scene| scene.replace_object(&name));
+            self.end_undo_group();
+            if good && is_other {
+                // Another object is framed.
+                self.look(|camera| (camera.pan, camera.zoom) = ([0.0; 2], 1.0));
+                (self.home.pan, self.home.zoom) = ([0.0; 2], 1.0);
+            }
+            return good;
         }
         let loaded = match is_picture {
             true => scene_of_picture(path).map_err(|error| error.to_string()),
@@ -40,6 +48,34 @@ impl Model {
         if good {
             self.end_undo_group();
             (self.saved, self.file) = (self.scene.clone(), (!is_picture).then(|| path.into()));
+            self.home.clone_from(&self.scene.camera);
+        } else {
+            self.library = library;
+        }
+        good
+    }
+
+    /// Restores a scene that was kept: it stays unsaved, and is that of its former file.
+    pub(crate) fn restore(&mut self, path: &Path, origin: Option<PathBuf>) -> bool {
+        let opened = scene::load(path, Reach::Anywhere).and_then(|scene| {
+            let library = self.with_modules_of(&scene)?;
+            Ok((scene, std::mem::replace(&mut self.library, library)))
+        });
+        let (scene, library) = match opened {
+            Ok(opened) => opened,
+            Err(error) => {
+                self.say(error.to_string());
+                return false;
+            }
+        };
+        let scene = Scene { groom: scene.groom.map(|file| adopted(&file)), ..scene };
+        let good = self.propose("restore unsaved work", scene);
+        if good {
+            self.end_undo_group();
+            // What is in the file now; without one, the scene is unsaved as a whole.
+            let saved = origin.as_deref().and_then(|file| scene::load(file, Reach::Anywhere).ok());
+            self.saved = saved.unwrap_or_default();
+            self.file = origin;
             self.home.clone_from(&self.scene.camera);
         } else {
             self.library = library;

@@ -5,6 +5,7 @@
 
 mod animated;
 mod files;
+mod objects;
 mod presets;
 mod state;
 

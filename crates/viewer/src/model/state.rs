@@ -1,8 +1,7 @@
 //! The edited scene and its history.
 
 use crate::message::Message;
-use hypertexture::scene::{self, Camera, ParameterValue, Parameters, Part, Scene, SceneError, schema};
-use hypertexture::shader::slots::MAIN;
+use hypertexture::scene::{self, Camera, ParameterValue, Parameters, Scene, SceneError, schema};
 use hypertexture::shader::{Library, ParameterKind, Slots};
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
@@ -35,6 +34,14 @@ pub struct Model {
 pub(super) struct Step {
     scene: Scene,
     what: String,
+    /// Whether the step itself changed the view, which otherwise stays where it was moved since.
+    moves_view: bool,
+}
+
+/// A camera with the view and the time of another one.
+fn with_view(camera: &Camera, view: &Camera) -> Camera {
+    let Camera { azimuth, elevation, rotation, pan, zoom, time, .. } = view.clone();
+    Camera { azimuth, elevation, rotation, pan, zoom, time, ..camera.clone() }
 }
 
 impl Model {
@@ -98,6 +105,30 @@ impl Model {
         self.file.as_deref()
     }
 
+    /// Makes a file the one of the scene, which was read from it.
+    pub(crate) fn set_file(&mut self, file: Option<PathBuf>) {
+        self.file = file;
+    }
+
+    /// Begins a new scene, the plain one of a sphere.
+    pub fn begin(&mut self) -> bool {
+        let mut scene = match scene::preset("lit") {
+            Ok(scene) => scene,
+            Err(error) => {
+                self.say(error.to_string());
+                return false;
+            }
+        };
+        (scene.object.input, scene.image) = ("sphere".into(), self.scene.image.clone());
+        let good = self.propose("new scene", scene);
+        self.end_undo_group();
+        if good {
+            (self.saved, self.file) = (self.scene.clone(), None);
+            self.home.clone_from(&self.scene.camera);
+        }
+        good
+    }
+
     /// The camera of the last opened preset or file.
     pub fn home(&self) -> &Camera {
         &self.home
@@ -131,6 +162,28 @@ impl Model {
         self.propose(what, scene)
     }
 
+    /// Moves the view or the time, which is no undo step; a camera with keyframes gets new ones, which are.
+    pub fn look(&mut self, change: impl FnOnce(&mut Camera)) -> bool {
+        if self.scene.animation.tracks.keys().any(|field| field.starts_with("camera.")) {
+            return self.edit("camera", |scene| change(&mut scene.camera));
+        }
+        let mut scene = self.scene.clone();
+        change(&mut scene.camera);
+        match checked(&scene, &self.library) {
+            Ok(_) => self.scene = scene,
+            Err(error) => {
+                self.say(error.to_string());
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Adjusts the view to the last change, as a part of its step.
+    pub(crate) fn amend_view(&mut self, camera: Camera) {
+        self.scene.camera = camera;
+    }
+
     /// Replaces the scene; see [`Model::edit`].
     pub fn propose(&mut self, what: &str, mut scene: Scene) -> bool {
         if scene == self.scene {
@@ -144,10 +197,14 @@ impl Model {
             }
             Ok((parameters, parts)) => {
                 let before = std::mem::replace(&mut self.scene, scene);
-                if self.open.as_deref() != Some(what) {
-                    self.past.push_back(Step { scene: before, what: what.into() });
-                    if self.past.len() > HISTORY {
-                        self.past.pop_front();
+                let moves_view = with_view(&before.camera, &self.scene.camera) != before.camera;
+                match self.past.back_mut().filter(|_| self.open.as_deref() == Some(what)) {
+                    Some(step) => step.moves_view |= moves_view,
+                    None => {
+                        self.past.push_back(Step { scene: before, what: what.into(), moves_view });
+                        if self.past.len() > HISTORY {
+                            self.past.pop_front();
+                        }
                     }
                 }
                 self.future.clear();
@@ -175,9 +232,9 @@ impl Model {
 
     /// Undoes the last step; returns whether there was one.
     pub fn undo(&mut self) -> bool {
-        while let Some(Step { scene, what }) = self.past.pop_back() {
-            if let Some(scene) = self.exchange(scene) {
-                self.future.push(Step { scene, what });
+        while let Some(Step { scene, what, moves_view }) = self.past.pop_back() {
+            if let Some(scene) = self.exchange(scene, moves_view) {
+                self.future.push(Step { scene, what, moves_view });
                 return true;
             }
         }
@@ -186,9 +243,9 @@ impl Model {
 
     /// Repeats the last undone step; returns whether there was one.
     pub fn redo(&mut self) -> bool {
-        while let Some(Step { scene, what }) = self.future.pop() {
-            if let Some(scene) = self.exchange(scene) {
-                self.past.push_back(Step { scene, what });
+        while let Some(Step { scene, what, moves_view }) = self.future.pop() {
+            if let Some(scene) = self.exchange(scene, moves_view) {
+                self.past.push_back(Step { scene, what, moves_view });
                 return true;
             }
         }
@@ -196,7 +253,10 @@ impl Model {
     }
 
     /// Exchanges the scene with one of the history; `None` if a module of that one no longer exists.
-    fn exchange(&mut self, mut scene: Scene) -> Option<Scene> {
+    fn exchange(&mut self, mut scene: Scene, moves_view: bool) -> Option<Scene> {
+        if !moves_view {
+            scene.camera = with_view(&scene.camera, &self.scene.camera);
+        }
         normalize(&mut scene, &self.library).ok()?;
         (self.parameters, self.parts) = checked(&scene, &self.library).ok()?;
         (self.open, self.message) = (None, None);
@@ -216,73 +276,10 @@ impl Model {
         Ok(())
     }
 
-    /// Adds an object and appends it to the formula. Returns its name.
-    pub fn add_part(&mut self, input: &str) -> Option<String> {
-        let name = (1..).map(|number| format!("object{number}")).find(|name| !self.scene.parts.contains_key(name))?;
-        let mut part = Part::default();
-        part.object.input = input.into();
-        part.transform = scene::Transform { at: [1.0, 0.0, 0.0], scale: 0.5, ..part.transform };
-        let good = self.edit(&format!("add {name}"), |scene| {
-            scene.parts.insert(name.clone(), part);
-            if let Some(formula) = &mut scene.combine {
-                formula.push_str(&format!(" | {name}"));
-            }
-        });
-        self.end_undo_group();
-        good.then_some(name)
-    }
-
-    /// Removes an additional object. A formula that names it is replaced by the union.
-    pub fn remove_part(&mut self, name: &str) -> bool {
-        let good = self.edit(&format!("remove {name}"), |scene| {
-            scene.parts.remove(name);
-            let uses = scene.formula().is_ok_and(|formula| formula.objects().contains_key(name));
-            if uses || scene.parts.is_empty() {
-                scene.combine = None;
-            }
-        });
-        self.end_undo_group();
-        good
-    }
-
-    /// Renames an additional object, also in the formula and in its tracks.
-    pub fn rename_part(&mut self, from: &str, to: &str) -> bool {
-        if to == MAIN || self.scene.parts.contains_key(to) {
-            self.say(format!("parts.{from}: `{to}` is the name of another object; choose one that no object has"));
-            return false;
-        }
-        let good = self.edit(&format!("rename {from}"), |scene| {
-            if let Some(part) = scene.parts.remove(from) {
-                scene.parts.insert(to.into(), part);
-            }
-            scene.combine = scene.combine.as_deref().map(|formula| renamed(formula, from, to));
-            let [own, new] = [from, to].map(|name| format!("parts.{name}."));
-            let tracks = std::mem::take(&mut scene.animation.tracks).into_iter();
-            let tracks = tracks.map(|(field, track)| match field.strip_prefix(&own) {
-                Some(rest) => (format!("{new}{rest}"), track),
-                None => (field, track),
-            });
-            scene.animation.tracks = tracks.collect();
-        });
-        self.end_undo_group();
-        good
-    }
-
     /// The command line that renders the same picture.
     pub fn command_line(&self) -> String {
         self.scene.command_line(&self.library)
     }
-}
-
-/// A formula with another name for an object.
-fn renamed(formula: &str, from: &str, to: &str) -> String {
-    let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
-    let pieces = formula.split_inclusive(|c: char| !is_name(c));
-    let piece = |piece: &str| match piece.trim_end_matches(|c: char| !is_name(c)) {
-        name if name == from => piece.replacen(from, to, 1),
-        _ => piece.into(),
-    };
-    pieces.map(piece).collect()
 }
 
 fn checked(scene: &Scene, library: &Library) -> Result<(Parameters, BTreeMap<String, Parameters>), SceneError> {

@@ -60,7 +60,6 @@ pub(super) fn camera(ui: &mut Ui, pass: &mut Pass<'_>, bookmarks: &mut Bookmarks
     }
     let touched = pass.touch.take();
     settings::table(ui, pass, "", "camera");
-    settings::table(ui, pass, "", "animation");
     let camera = &mut pass.draft.camera;
     if let Some([azimuth, elevation]) = angles {
         match pass.touch.as_deref() {

@@ -4,7 +4,6 @@ use super::context::Act;
 use super::request::Request;
 use super::widgets::button;
 use crate::model::Model;
-use crate::unsaved;
 use egui::{Id, Modal, RichText, Ui};
 use egui_file_dialog::{DialogMode, DialogState, FileDialog};
 use hypertexture_support::{open, write_whole};
@@ -20,6 +19,8 @@ const MAX_LIST: u64 = 1 << 16;
 pub enum Question {
     /// Close the window in spite of unsaved work?
     Quit,
+    /// Begin a new scene though this one is not saved?
+    New,
     /// Replace a scene file that this window did not write?
     Scene(PathBuf),
     /// Replace a picture that this window did not write?
@@ -30,6 +31,8 @@ pub enum Question {
 #[derive(Default)]
 pub(super) struct Dialogs {
     pub(super) question: Option<Question>,
+    /// Whether the question was shown in an earlier pass, and its first answer has had the focus.
+    had_focus: bool,
     dialog: FileDialog,
     /// Folders with unsaved work of earlier windows, the newest first.
     pub(super) kept: Vec<PathBuf>,
@@ -73,13 +76,14 @@ impl Dialogs {
         let named = Some(named.trim()).filter(|named| !named.is_empty()).map(PathBuf::from);
         match model.file().map(Path::to_path_buf).or(named) {
             Some(path) => self.scene(path, model),
-            None => self.save_as(),
+            None => self.save_as(model),
         }
     }
 
     /// Opens the file dialog for the name of a scene file.
-    pub(super) fn save_as(&mut self) {
-        self.dialog = FileDialog::new().default_file_name("scene.toml");
+    pub(super) fn save_as(&mut self, model: &Model) {
+        let name = model.file().and_then(Path::file_name).map_or("scene.toml".into(), |name| name.to_string_lossy());
+        self.dialog = FileDialog::new().default_file_name(&name);
         self.dialog.save_file();
     }
 
@@ -124,22 +128,29 @@ impl Dialogs {
             }
             return None;
         }
-        let question = self.question.clone()?;
-        let shown = Modal::new(Id::new("question")).show(ui.ctx(), |ui| answer(ui, &question, model, at_stake));
+        let Some(question) = self.question.clone() else {
+            self.had_focus = false;
+            return None;
+        };
+        let had_focus = std::mem::replace(&mut self.had_focus, true);
+        let ask = |ui: &mut Ui| answer(ui, &question, (model, at_stake), had_focus);
+        let shown = Modal::new(Id::new("question")).show(ui.ctx(), ask);
         let closes = shown.should_close();
         let answer = shown.inner.or(closes.then_some(Answer::No))?;
-        self.question = None;
+        (self.question, self.had_focus) = (None, false);
         match (answer, question) {
             (Answer::No, _) => None,
             (Answer::Yes, Question::Quit) => Some(Request::Quit),
+            (Answer::Yes, Question::New) => Some(Request::Begin),
             (Answer::Yes, Question::Scene(path)) => {
                 model.save(&path);
                 None
             }
             (Answer::Yes, Question::Picture(path)) => Some(Request::Screenshot(path)),
-            (Answer::Save, _) => {
+            (Answer::Save, question) => {
                 self.save(model, file);
-                (!model.is_dirty()).then_some(Request::Quit)
+                let then = if question == Question::New { Request::Begin } else { Request::Quit };
+                (!model.is_dirty()).then_some(then)
             }
         }
     }
@@ -175,10 +186,18 @@ enum Answer {
     Save,
 }
 
-fn answer(ui: &mut Ui, question: &Question, model: &Model, at_stake: Option<String>) -> Option<Answer> {
+/// Shows a question with its answers. `had_focus` is whether its first answer has had the focus: the key that led to
+/// the question answers nothing.
+fn answer(
+    ui: &mut Ui,
+    question: &Question,
+    (model, at_stake): (&Model, Option<String>),
+    had_focus: bool,
+) -> Option<Answer> {
     ui.set_max_width(420.0);
     let (line, yes, no) = match question {
         Question::Quit => (at_stake.unwrap_or_else(|| "Quit?".into()), "quit", "stay"),
+        Question::New => ("The scene is not saved. Undo brings it back.".into(), "new scene", "stay"),
         Question::Scene(path) | Question::Picture(path) => {
             (format!("{} exists and was not written by this window.", path.display()), "replace it", "keep it")
         }
@@ -187,10 +206,19 @@ fn answer(ui: &mut Ui, question: &Question, model: &Model, at_stake: Option<Stri
     ui.add_space(8.0);
     ui.horizontal(|ui| {
         let mut answer = None;
-        if button(ui, yes, "ask.yes", "").clicked() {
+        let first = button(ui, yes, "ask.yes", "Enter.");
+        // Enter confirms, and Tab goes to the other answers.
+        let is_free = ui.memory(|memory| memory.focused()).is_none();
+        if is_free || !had_focus {
+            first.request_focus();
+        }
+        let is_entered = is_free && ui.input(|input| input.key_pressed(egui::Key::Enter));
+        if had_focus && (first.clicked() || is_entered) {
             answer = Some(Answer::Yes);
         }
-        if *question == Question::Quit && model.is_dirty() && button(ui, "save and quit", "ask.save", "").clicked() {
+        let ends = matches!(question, Question::Quit | Question::New);
+        let text = if *question == Question::New { "save first" } else { "save and quit" };
+        if ends && model.is_dirty() && button(ui, text, "ask.save", "").clicked() {
             answer = Some(Answer::Save);
         }
         if button(ui, no, "ask.no", "").clicked() {
@@ -209,18 +237,5 @@ fn age(folder: &Path) -> String {
         minutes @ 2..120 => format!("{minutes} minutes ago"),
         minutes @ 120..2880 => format!("{} hours ago", minutes / 60),
         minutes => format!("{} days ago", minutes / 1440),
-    }
-}
-
-/// Opens the scene and the modules in a folder of unsaved work.
-pub(super) fn restore(folder: &Path, model: &mut Model, author: &mut crate::author::Author) {
-    let scene = folder.join("scene.toml");
-    if scene.exists() && !model.open(&scene) {
-        return;
-    }
-    for module in unsaved::modules(folder) {
-        if let Err(error) = author.watch(model.library(), &module) {
-            model.say(error);
-        }
     }
 }

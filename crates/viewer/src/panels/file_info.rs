@@ -2,7 +2,7 @@
 
 use super::context::{Pass, prefix};
 use super::status_bar;
-use super::widgets::{button, named};
+use super::widgets::{button, named, short};
 use crate::background::{Background, Notify};
 use egui::{
     Align2, Context, EventFilter, FontId, Key, PointerButton, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2,
@@ -76,7 +76,12 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, known: 
             }
         };
         for iso in &facts.iso_values {
-            offer(format!("surface at {iso}"), "iso", iso.to_string(), "The gradient is largest there.");
+            offer(
+                format!("surface at {}", short(f64::from(*iso))),
+                "iso",
+                iso.to_string(),
+                "The gradient is largest there.",
+            );
         }
         if facts.is_like_distances {
             offer("signed distances".into(), "distance", "true".into(), "The gradient is that of a distance field.");
@@ -113,10 +118,26 @@ fn chart(ui: &mut Ui, histogram: &Histogram, isos: &[f32], iso: Option<f32>, nam
     };
     isos.iter().for_each(|iso| mark(*iso, 1.0));
     iso.into_iter().for_each(|iso| mark(iso, 3.0));
+    if let Some(iso) = iso {
+        // The value beside its mark, within the chart.
+        let text =
+            painter.layout_no_wrap(short(f64::from(iso)), FontId::proportional(12.0), visuals.strong_text_color());
+        let x = at((iso - low) / (high - low), 0.0).x + 4.0;
+        let x = if x + text.size().x > rect.right() { x - text.size().x - 8.0 } else { x };
+        let place = Rect::from_min_size(pos2(x.max(rect.left()), rect.top() + 16.0), text.size());
+        painter.rect_filled(place.expand(2.0), 2.0, visuals.extreme_bg_color);
+        painter.galley(place.min, text, visuals.strong_text_color());
+    }
     for (align, corner, value) in
         [(Align2::LEFT_TOP, rect.left_top(), low), (Align2::RIGHT_TOP, rect.right_top(), high)]
     {
-        painter.text(corner, align, format!(" {value} "), FontId::proportional(11.0), visuals.text_color());
+        painter.text(
+            corner,
+            align,
+            format!(" {} ", short(f64::from(value))),
+            FontId::proportional(11.0),
+            visuals.text_color(),
+        );
     }
     let doc = "Bars: number of voxels, logarithmic. Line: mean gradient. Marks: iso-values; drag, or use the arrow keys, to set one.";
     named(ui, &response, name).on_hover_text(doc);

@@ -1,7 +1,7 @@
 //! The dialog for final pictures.
 
 use super::status::Status;
-use super::widgets::{Field, button, field, fit, named, number, switch};
+use super::widgets::{Field, button, field, fit, named, number, short, switch};
 use crate::author::Gate;
 use crate::finals::{BEHIND, GRID, Kind, Motion, Order, Rendering, is_installed};
 use crate::message::Message;
@@ -25,7 +25,7 @@ static FFMPEG: LazyLock<bool> = LazyLock::new(|| is_installed("ffmpeg"));
 /// The orders, and the state of the dialog.
 pub(crate) struct Finals {
     gate: Arc<Gate>,
-    pub(super) is_open: bool,
+    pub(crate) is_open: bool,
     kind: Kind,
     path: String,
     /// `None`: the size of the scene.
@@ -85,6 +85,11 @@ impl Finals {
         self.outcome = Some(Message::note(format!("the final picture was stopped{progress}")));
     }
 
+    /// Frames per second of sequences.
+    pub(super) fn fps(&self) -> f64 {
+        self.motion.fps
+    }
+
     /// Whether a picture replaces a file that this window did not write.
     pub(super) fn replaces(&self, path: &Path) -> bool {
         path.exists() && !self.own.contains(path)
@@ -101,7 +106,7 @@ impl Finals {
     }
 
     /// Progress of the order, in words.
-    pub(super) fn progress(&self) -> Option<String> {
+    pub(crate) fn progress(&self) -> Option<String> {
         let running = self.running.as_ref()?;
         let (kind, seconds) = (format!("{:?}", running.order.kind).to_lowercase(), running.seconds());
         let stage = running.at.as_ref().filter(|(_, part)| *part < 1.0);
@@ -135,7 +140,8 @@ impl Finals {
         if self.kind == Kind::Video {
             scene.image.background.get_or_insert(BEHIND);
         }
-        let motion = matches!(self.kind, Kind::Sequence | Kind::Video).then_some(self.motion);
+        let turntable = Some(self.motion.turns(!scene.animation.is_empty()));
+        let motion = matches!(self.kind, Kind::Sequence | Kind::Video).then_some(Motion { turntable, ..self.motion });
         let path = PathBuf::from(self.path.trim());
         let (kind, max_error, grid) = (self.kind, self.max_error.filter(|_| !self.is_export()), self.grid);
         Order { kind, motion, max_error, grid, ..Order::picture(scene, model.library().clone(), path) }
@@ -147,7 +153,7 @@ impl Finals {
             match running.poll() {
                 None => ui.ctx().request_repaint_after(LOOK),
                 Some(done) => {
-                    let failed = |reason| Message::error(format!("final picture: {reason}"));
+                    let failed = |reason: String| Message::error(format!("final picture: {}", of_window(&reason)));
                     self.outcome = Some(done.map_or_else(failed, Message::note));
                     self.running = None;
                     self.start_next();
@@ -174,18 +180,46 @@ impl Finals {
         self.sizes(ui, model, status);
         self.accuracy(ui, model);
         if self.kind != Kind::Picture {
+            let is_animated = !model.scene().animation.is_empty();
             let motion = &mut self.motion;
+            // Whichever of frames and seconds was typed last stays while the frames per second change.
             let frames = field("final.frames", "Number of pictures.");
-            number(ui, &mut None, &frames, &mut motion.frames, 1..=1000);
+            let mut touch = None;
+            number(ui, &mut touch, &frames, &mut motion.frames, 1..=1000);
             let mut seconds = f64::from(motion.frames) / motion.fps;
-            let (mut touch, length) = (None, field("final.seconds", "Length of the motion, seconds."));
-            number(ui, &mut touch, &length, &mut seconds, 0.1..=60.0);
-            let before = f64::from(motion.frames) / motion.fps;
-            number(ui, &mut None, &field("final.fps", "Pictures per second."), &mut motion.fps, 1.0..=60.0);
-            seconds = if touch.is_some() { seconds } else { before };
-            motion.frames = ((seconds * motion.fps).round() as u32).max(1);
-            let around = field("final.turntable", "The camera goes once around the object.");
-            switch(ui, &mut None, &around, &mut motion.turntable);
+            number(ui, &mut touch, &field("final.seconds", "Length of the motion, seconds."), &mut seconds, 0.1..=60.0);
+            match touch.as_deref() {
+                Some("final.seconds") => {
+                    motion.frames = ((seconds * motion.fps).round() as u32).max(1);
+                    motion.seconds = Some(seconds);
+                }
+                Some(_) => motion.seconds = None,
+                None => {}
+            }
+            let mut rate = None;
+            number(ui, &mut rate, &field("final.fps", "Pictures per second."), &mut motion.fps, 1.0..=60.0);
+            if let (Some(_), Some(seconds)) = (rate, motion.seconds) {
+                motion.frames = ((seconds * motion.fps).round() as u32).max(1);
+            }
+            let length = f64::from(motion.frames) / motion.fps;
+            let plural = if motion.frames == 1 { "frame" } else { "frames" };
+            ui.weak(format!("{} {plural} = {} s", motion.frames, short(length)));
+            let around = field(
+                "final.turntable",
+                "The camera goes once around the object. Off by default where anything is animated.",
+            );
+            let (mut turns, mut touch) = (motion.turns(is_animated), None);
+            switch(ui, &mut touch, &around, &mut turns);
+            if touch.is_some() {
+                motion.turntable = Some(turns);
+            }
+            let tracks = &model.scene().animation.tracks;
+            let mut keyed =
+                ["azimuth", "rotation"].into_iter().filter(|field| tracks.contains_key(&format!("camera.{field}")));
+            if let (true, Some(field)) = (turns, keyed.next()) {
+                let line = format!("{field} is keyed: its motion replaces the turntable");
+                ui.colored_label(ui.visuals().warn_fg_color, line);
+            }
             let again = field("final.restart", "Render finished frames again; otherwise a stopped sequence continues.");
             switch(ui, &mut None, &again, &mut motion.restart);
         }
@@ -298,5 +332,29 @@ impl Finals {
                 self.add(order);
             }
         }
+    }
+}
+
+/// A reason with the controls of the dialog in place of the options of the command line.
+fn of_window(reason: &str) -> String {
+    const NAMES: [(&str, &str); 4] = [
+        ("--restart", "tick `restart`"),
+        ("give another --output", "give another file name"),
+        ("--output", "the file name"),
+        ("--grid", "`grid`"),
+    ];
+    NAMES.iter().fold(reason.to_string(), |text, (option, name)| text.replace(option, name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_name_controls_of_the_dialog() {
+        let said = "a.frames shows another scene; give another --output, or --restart to render every frame again";
+        let told =
+            "a.frames shows another scene; give another file name, or tick `restart` to render every frame again";
+        assert_eq!(of_window(said), told);
     }
 }

@@ -1,8 +1,9 @@
 //! Keyframes: diamonds beside controls, and the tracks below the timeline.
 
+use super::axis::{Axis, LEFT};
 use super::context::Pass;
 use super::request::Request;
-use super::widgets::{self, button, named};
+use super::widgets::{self, brief, button, named, short};
 use crate::keys;
 use crate::model::Model;
 use crate::playback::Playback;
@@ -13,10 +14,9 @@ use egui::{
 use hypertexture::scene::{Ease, Key, Scene, Track, is_movable};
 use toml::Value;
 
-/// Width of the names of the tracks, their height, and the height of all that are seen at once, points.
-const NAMES: f32 = 150.0;
+/// Height of a track, and width of its buttons, points.
 const HEIGHT: f32 = 18.0;
-const MOST: f32 = 132.0;
+const BUTTON: f32 = 22.0;
 /// Half the size of a keyframe, points.
 const HALF: f32 = 5.0;
 /// Color of keyframes.
@@ -81,19 +81,30 @@ pub(super) fn toggle(pass: &mut Pass<'_>, name: &str, value: &Value) {
 }
 
 impl Keyframes {
-    /// The switch of the tracks; a new loop becomes the range of the timeline.
+    /// Removes the selected keyframe; returns whether there was one.
+    pub(super) fn remove_selected(&mut self, model: &mut Model) -> bool {
+        let Some((name, number)) = self.selected.take().filter(|_| self.shown) else { return false };
+        let is_there = match model.scene().animation.tracks.get(&name) {
+            Some(Track::Keys(keys)) => number < keys.len(),
+            _ => false,
+        };
+        is_there && model.edit(&format!("track {name}"), |scene| apply(scene, &name, Change::Remove(number), None))
+    }
+
+    /// The switch of the tracks; a new loop becomes the range of the timeline, from its start on.
     pub(super) fn switch(&mut self, ui: &mut Ui, model: &Model, playback: &mut Playback) {
         let response = ui.toggle_value(&mut self.shown, "keys");
         named(ui, &response, "timeline keyframes").on_hover_text("Show keyframes: a diamond beside each control.");
         let period = model.scene().animation.period;
         if let (true, Some(period)) = (self.period != period, period) {
-            (playback.range, playback.repeats) = ([0.0, period], true);
+            let from = playback.range[0];
+            (playback.range, playback.repeats) = ([from, from + period], true);
         }
         self.period = period;
     }
 
     /// The tracks.
-    pub(super) fn show(&mut self, ui: &mut Ui, model: &mut Model, range: [f64; 2], requests: &mut Vec<Request>) {
+    pub(super) fn show(&mut self, ui: &mut Ui, model: &mut Model, axis: &Axis, requests: &mut Vec<Request>) {
         if !self.shown {
             return;
         }
@@ -102,20 +113,16 @@ impl Keyframes {
             ui.weak("No keyframes: click the diamond beside a control.");
         }
         let mut change = None;
-        ScrollArea::vertical()
-            .id_salt("tracks")
-            .max_height(MOST)
-            .min_scrolled_height(MOST)
-            .auto_shrink([false, true])
-            .show(ui, |ui| {
-                for (name, track) in &tracks {
-                    let made = ui.horizontal(|ui| self.track(ui, model, (name, track), range, requests)).inner;
-                    change = change.take().or(made.map(|change| (name.clone(), change)));
-                }
-            });
-        let is_deleted = ui.input(|input| input.key_pressed(KeyName::Delete)) && !keys::writes(ui.ctx());
-        if let (true, Some((name, number))) = (is_deleted, self.selected.take_if(|_| is_deleted)) {
-            change = Some((name, Change::Remove(number)));
+        // The height is that of the panel: a new track moves no control.
+        ScrollArea::vertical().id_salt("tracks").auto_shrink([false, false]).show(ui, |ui| {
+            for (name, track) in &tracks {
+                let made = ui.horizontal(|ui| self.track(ui, model, (name, track), axis, requests)).inner;
+                change = change.take().or(made.map(|change| (name.clone(), change)));
+            }
+        });
+        // Also while a control has the focus, which then has the keys.
+        if ui.input(|input| input.key_pressed(KeyName::Delete)) && !keys::writes(ui.ctx()) {
+            self.remove_selected(model);
         }
         if let Some((name, change)) = change {
             let copied = self.copied.clone();
@@ -129,15 +136,19 @@ impl Keyframes {
         ui: &mut Ui,
         model: &Model,
         (name, track): (&str, &Track),
-        range: [f64; 2],
+        axis: &Axis,
         requests: &mut Vec<Request>,
     ) -> Option<Change> {
         let mut change = None;
-        ui.allocate_ui(vec2(NAMES, HEIGHT), |ui| {
-            ui.set_min_width(NAMES);
+        let buttons = 2.0 * (BUTTON + ui.spacing().item_spacing.x);
+        let names = LEFT - buttons - ui.spacing().item_spacing.x;
+        ui.allocate_ui(vec2(names, HEIGHT), |ui| {
+            ui.set_min_width(names);
+            ui.set_max_width(names);
             let words = name.strip_prefix("parameters.").unwrap_or(name).replace(['.', '_'], " ");
             ui.add(egui::Label::new(words).truncate()).on_hover_text(name);
         });
+        ui.spacing_mut().interact_size.x = BUTTON;
         if button(ui, "\u{2716}", &format!("{name}.drop"), "Remove the motion; the present value stays.").clicked() {
             change = Some(Change::Drop);
         }
@@ -151,7 +162,7 @@ impl Keyframes {
                 if button(ui, "\u{192}", &format!("{name}.express"), "Use an expression in time instead.").clicked() {
                     change = Some(Change::Express);
                 }
-                self.keys(ui, model, (name, list), range, requests).or(change)
+                self.keys(ui, model, (name, list), axis, requests).or(change)
             }
         }
     }
@@ -161,13 +172,14 @@ impl Keyframes {
         ui: &mut Ui,
         model: &Model,
         (name, list): (&str, &[Key]),
-        [from, to]: [f64; 2],
+        axis: &Axis,
         requests: &mut Vec<Request>,
     ) -> Option<Change> {
         let mut change = None;
-        let (lane, row) = ui.allocate_exact_size(vec2(ui.available_width().max(60.0), HEIGHT), Sense::click());
-        let (left, width) = (lane.left() + HALF, f64::from((lane.width() - 2.0 * HALF).max(1.0)));
-        let x = |time: f64| left + (width * (time - from) / (to - from)) as f32;
+        let (room, _) = ui.allocate_exact_size(vec2(ui.available_width().max(60.0), HEIGHT), Sense::hover());
+        let lane = Rect::from_x_y_ranges(axis.span(HALF), room.y_range());
+        let row = ui.interact(lane, ui.id().with((name, "lane")), Sense::click());
+        let x = |time: f64| axis.x(time);
         let color = ui.visuals().weak_text_color();
         ui.painter().hline(lane.x_range(), lane.center().y, Stroke::new(1.0, color));
         ui.painter().vline(x(model.time()), lane.y_range(), Stroke::new(1.0, ui.visuals().selection.stroke.color));
@@ -189,9 +201,9 @@ impl Keyframes {
             let is_bright = is_selected || response.hovered();
             paint(ui, center, key.ease, if is_bright { ui.visuals().strong_text_color() } else { KEY });
             named(ui, &response, &format!("{name} key {}", number + 1)).on_hover_text(format!(
-                "{} at {} s, {}",
-                key.value,
-                key.time,
+                "{} at {} s, {}; drag it to another frame, with Alt to any time",
+                brief(&key.value),
+                short(key.time),
                 key.ease.name()
             ));
             if response.clicked() || response.drag_started() {
@@ -201,8 +213,10 @@ impl Keyframes {
                 requests.push(Request::Time(key.time));
             }
             if let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged()) {
-                let time = from + (to - from) * f64::from(at.x - left) / width;
-                change = Some(Change::Move(number, (100.0 * time).round() / 100.0));
+                // Frames; with Alt, any time.
+                let (time, is_free) = (axis.time(at.x), ui.input(|input| input.modifiers.alt));
+                change =
+                    Some(Change::Move(number, if is_free { (1e3 * time).round() / 1e3 } else { axis.snapped(time) }));
             }
             change = self.menu(&response, number, key).or(change);
         }

@@ -2,7 +2,6 @@
 
 use super::context::{Act, Pass, prefix};
 use super::dialogs::{self, Question};
-use super::menu::Item;
 use super::request::Request;
 use super::status::Status;
 use super::{
@@ -24,7 +23,9 @@ const WIDTH: f32 = 376.0;
 const LEAST: f32 = 184.0;
 const MOST: f32 = 640.0;
 const PART: f32 = 0.36;
-/// Height of the window below which the menu bar is left out, points.
+/// Default height of the timeline with its tracks, points.
+const TRACKS: f32 = 178.0;
+/// Height of the window below which the menus are in the panel, and the timeline is one row, points.
 const LOW: f32 = 480.0;
 
 /// State of the panels.
@@ -61,6 +62,8 @@ pub struct Panels {
     keyframes: keyframes::Keyframes,
     pub(crate) finals: finals::Finals,
     pub(crate) painting: Painting,
+    /// The folder of unsaved work that was restored since the last look.
+    pub(crate) restored: Option<PathBuf>,
 }
 
 impl Panels {
@@ -95,6 +98,7 @@ impl Panels {
             theme: theme::Chosen::default(),
             keyframes: keyframes::Keyframes::default(),
             painting: Painting::default(),
+            restored: None,
         })
     }
 
@@ -160,6 +164,16 @@ impl Panels {
         model.is_dirty() || !unsaved::texts(model, &self.author).is_empty()
     }
 
+    /// Opens the file dialog for another file of the scene.
+    pub(crate) fn save_as(&mut self, model: &Model) {
+        self.dialogs.save_as(model);
+    }
+
+    /// Removes the selected keyframe of the tracks, if they are shown; returns whether there was one.
+    pub(crate) fn remove_key(&mut self, model: &mut Model) -> bool {
+        !self.hidden && self.keyframes.remove_selected(model)
+    }
+
     /// Shows the panels; the remaining area of `ui` is for the picture. Called once per frame.
     pub fn show(&mut self, ui: &mut Ui, model: &mut Model, status: &Status) -> Vec<Request> {
         self.theme.apply(ui.ctx());
@@ -168,20 +182,22 @@ impl Panels {
         Panel::bottom("status").show(ui, |ui| status_bar::show(ui, status));
         let mut requests: Vec<Request> = Vec::new();
         if !self.hidden {
-            let bar = |ui: &mut Ui| menu::show(ui, &self.dialogs.recent, &mut requests);
-            // A low window leaves the bar out: keys and panels do the same.
-            let has_bar = ui.available_height() >= LOW;
-            let chosen = has_bar.then(|| Panel::top("menu").show(ui, bar).inner).flatten();
-            requests = requests.into_iter().filter_map(|request| self.asking(request, model)).collect();
-            match chosen {
-                Some(Item::SaveAs) => self.dialogs.save_as(),
-                Some(Item::Final) => self.finals.is_open = true,
-                Some(Item::CopyCommand) => ui.ctx().copy_text(model.command_line()),
-                None => {}
+            let is_low = ui.available_height() < LOW;
+            let command = model.command_line();
+            if !is_low {
+                let recent = &self.dialogs.recent;
+                let bar = |ui: &mut Ui| menu::show(ui, recent, &status.states, &command, &mut requests);
+                Panel::top("menu").show(ui, bar);
             }
-            Panel::bottom("time").show(ui, |ui| {
-                timeline::show(ui, model, status, &mut self.keyframes, &mut requests);
-            });
+            requests = requests.into_iter().filter_map(|request| self.asking(request, model)).collect();
+            let fps = self.finals.fps();
+            let time = match self.keyframes.shown {
+                // A fixed height with a handle.
+                true => Panel::bottom("tracks").resizable(true).default_size(TRACKS).size_range(96.0..=480.0),
+                false => Panel::bottom("time"),
+            };
+            let row = is_low && !self.keyframes.shown;
+            time.show(ui, |ui| timeline::show(ui, model, status, &mut self.keyframes, (fps, row), &mut requests));
             // In a small window, most of the area is for the picture.
             let most = (PART * ui.available_width()).clamp(LEAST, MOST);
             if std::mem::replace(&mut self.most, most) != most {
@@ -191,7 +207,13 @@ impl Panels {
             let panel = Panel::right("scene").default_size(self.width.min(most)).size_range(LEAST..=most);
             let shown = panel.show(ui, |ui| {
                 widgets::fit(ui);
-                let requests = self.controls(ui, model, status);
+                let mut asked = Vec::new();
+                if is_low {
+                    // The menus of a low window take no height from the picture.
+                    menu::show(ui, &self.dialogs.recent, &status.states, &command, &mut asked);
+                }
+                let mut requests = self.controls(ui, model, status);
+                requests.extend(asked.into_iter().filter_map(|request| self.asking(request, model)));
                 ui.take_available_width();
                 requests
             });
@@ -251,8 +273,11 @@ impl Panels {
         ScrollArea::vertical().id_salt("controls").auto_shrink(false).show(ui, |ui| self.sections(ui, &mut pass));
         let Pass { draft, touch, refused, acts, mut requests, keys, .. } = pass;
         self.keyframes.shown = keys;
-        if let Some(what) = touch {
-            model.change(&what, draft);
+        match touch {
+            // A view is not an undo step.
+            Some(what) if what == "camera" => drop(model.look(|camera| *camera = draft.camera)),
+            Some(what) => drop(model.change(&what, draft)),
+            None => {}
         }
         refused.into_iter().for_each(|line| model.say(line));
         acts.into_iter().for_each(|act| self.act(act, model));
@@ -336,7 +361,10 @@ impl Panels {
             Act::Choose => self.dialogs.choose(),
             Act::Open(path) => drop(model.open(&path)),
             Act::Restore(folder) => {
-                dialogs::restore(&folder, model, &mut self.author);
+                // What cannot be opened as a whole is offered again.
+                if unsaved::restore(&folder, model, &mut self.author) {
+                    self.restored = Some(folder);
+                }
                 self.author_is_open |= self.author.file().is_some();
             }
             Act::Save(path) if path.as_os_str().is_empty() => self.save(model),

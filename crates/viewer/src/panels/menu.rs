@@ -7,25 +7,26 @@ use egui::{Button, MenuBar, Ui};
 use std::path::PathBuf;
 
 /// The menus with the actions of each. The list of keys has the same groups.
-pub(crate) const MENUS: [(&str, &[Action]); 5] = [
-    ("File", &[Action::Open, Action::Save]),
+pub(crate) const MENUS: [(&str, &[Action]); 6] = [
+    ("File", &[Action::New, Action::Open, Action::Save, Action::SaveAs, Action::Export, Action::Quit]),
     (
         "Edit",
-        &[Action::Undo, Action::Redo, Action::Paint, Action::Weaker, Action::Place, Action::Previous, Action::Next],
+        &[Action::Undo, Action::Redo, Action::Duplicate, Action::Delete, Action::Place, Action::Paint, Action::Weaker],
     ),
     (
         "View",
         &[
+            Action::Frame,
             Action::Reset,
             Action::Side(0),
             Action::Level,
             Action::Inertia,
-            Action::Play,
             Action::Panels,
             Action::Controls,
             Action::FullScreen,
         ],
     ),
+    ("Scene", &[Action::Play, Action::Previous, Action::Next]),
     (
         "Render",
         &[
@@ -41,59 +42,60 @@ pub(crate) const MENUS: [(&str, &[Action]); 5] = [
     ("Help", &[Action::Help, Action::Lesson, Action::Leave]),
 ];
 
-/// Items without a key.
-pub(super) enum Item {
-    SaveAs,
-    Final,
-    CopyCommand,
-}
-
-/// Shows the menus; returns the chosen item without a key.
-pub(super) fn show(ui: &mut Ui, recent: &[PathBuf], requests: &mut Vec<Request>) -> Option<Item> {
-    let mut chosen = None;
+/// Shows the menus, with marks at what is switched on.
+pub(super) fn show(
+    ui: &mut Ui,
+    recent: &[PathBuf],
+    states: &[(Action, bool)],
+    command: &str,
+    requests: &mut Vec<Request>,
+) {
     MenuBar::new().ui(ui, |ui| {
+        ui.set_max_width(ui.available_width());
         for (menu, actions) in MENUS {
             let shown = ui.menu_button(menu, |ui| {
-                let mut add = |ui: &mut Ui, text: &str, item: Item| {
-                    if entry(ui, text, "") {
-                        chosen = Some(item);
-                    }
-                };
                 for action in actions {
                     let Some(binding) = KEYS.iter().find(|binding| binding.action == *action) else { continue };
-                    if entry(ui, binding.what, binding.name) {
+                    let is_on = states.iter().any(|(own, on)| own == action && *on);
+                    if entry(ui, binding.label, binding.name, is_on, binding.what) {
                         requests.push(Request::Act(*action));
                     }
-                }
-                match menu {
-                    "File" => {
-                        add(ui, "save the scene as another file", Item::SaveAs);
-                        for path in recent {
-                            if entry(ui, &path.display().to_string(), "") {
-                                requests.push(Request::Open(path.clone()));
-                            }
+                    match action {
+                        Action::Open if !recent.is_empty() => {
+                            let recent = ui.menu_button("Recent", |ui| {
+                                for path in recent {
+                                    if entry(ui, &path.display().to_string(), "", false, "Open this file.") {
+                                        requests.push(Request::Open(path.clone()));
+                                    }
+                                }
+                            });
+                            named(ui, &recent.response, "menu Recent");
                         }
-                        if entry(ui, "quit", "") {
-                            requests.push(Request::Quit);
+                        Action::Delete
+                            if entry(
+                                ui,
+                                "Copy command",
+                                "",
+                                false,
+                                "copy the command line that renders this picture",
+                            ) =>
+                        {
+                            ui.ctx().copy_text(command.into());
                         }
+                        _ => {}
                     }
-                    "Edit" => add(ui, "copy the command that renders this picture", Item::CopyCommand),
-                    "Render" => add(ui, "final picture, sequence, video, mesh, volume or page", Item::Final),
-                    _ => {}
                 }
             });
             named(ui, &shown.response, &format!("menu {menu}"));
         }
     });
-    chosen
 }
 
-/// An item with its key; whether it was chosen.
-fn entry(ui: &mut Ui, what: &str, key: &str) -> bool {
-    let what = what.split([';', ':']).next().unwrap_or_default();
-    let text: String = what.chars().take(1).flat_map(char::to_uppercase).chain(what.chars().skip(1)).collect();
-    let response = ui.add(Button::new(&text).shortcut_text(key));
-    let is_chosen = named(ui, &response, &format!("menu {what}")).clicked();
+/// An item with its key and its mark; whether it was chosen.
+fn entry(ui: &mut Ui, label: &str, key: &str, is_on: bool, what: &str) -> bool {
+    let text = if is_on { format!("\u{2713} {label}") } else { label.to_string() };
+    let response = ui.add(Button::new(text).shortcut_text(key)).on_hover_text(what);
+    let is_chosen = named(ui, &response, &format!("menu {label}")).clicked();
     if is_chosen {
         ui.close();
     }
@@ -106,7 +108,7 @@ mod tests {
 
     #[test]
     fn every_action_of_a_key_is_in_one_menu() {
-        for binding in KEYS.iter().filter(|binding| !binding.what.is_empty()) {
+        for binding in KEYS.iter().filter(|binding| !binding.label.is_empty()) {
             let menus = MENUS.iter().filter(|(_, actions)| actions.contains(&binding.action)).count();
             assert_eq!(menus, 1, "{}", binding.name);
         }

@@ -5,6 +5,7 @@
 //! is the name of its field in a scene file.
 
 mod accuracy;
+mod axis;
 mod bookmarks;
 mod camera;
 mod context;
@@ -34,6 +35,7 @@ pub mod widgets;
 
 pub(crate) use camera::SIDES;
 pub use dialogs::Question;
+pub(crate) use groom::bar as brush_bar;
 pub use layout::Panels;
 pub(crate) use menu::MENUS;
 pub use request::Request;

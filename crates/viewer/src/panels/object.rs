@@ -2,10 +2,14 @@
 
 use super::context::{Act, Pass, prefix};
 use super::field_menu;
+use super::request::Request;
 use super::settings;
 use super::widgets::{self, Field, button, choice, field};
+use crate::keys::Action;
 use egui::{Button, RichText, Sense, Ui, Vec2, vec2};
+use hypertexture::scene::Scene;
 use hypertexture::scene::schema::SETTINGS;
+use hypertexture::shader::Formula;
 use hypertexture::shader::slots::MAIN;
 use hypertexture::shape::BUILT_IN;
 use std::collections::BTreeSet;
@@ -31,17 +35,24 @@ pub(super) fn list(ui: &mut Ui, pass: &mut Pass<'_>, selected: &mut Option<Strin
         });
     }
     ui.horizontal_wrapped(|ui| {
-        if button(ui, "+", "add object", "Add an object with an effect of its own.").clicked() {
+        if button(ui, "+ add", "add object", "Add an object with an effect of its own.").clicked() {
             pass.acts.push(Act::AddPart);
         }
+        if button(ui, "duplicate", "duplicate object", "Copy the selected object (Shift+D).").clicked() {
+            pass.requests.push(Request::Act(Action::Duplicate));
+        }
+        ui.add_space(24.0);
         if let Some(name) = &selected
-            && button(ui, "remove", "remove object", "Remove the selected object.").clicked()
+            && button(ui, "remove", "remove object", "Remove the selected object (Delete).").clicked()
         {
             pass.acts.push(Act::RemovePart(name.clone()));
         }
     });
     if pass.model.scene().parts.is_empty() {
         return;
+    }
+    if let Some(name) = selected {
+        operation(ui, pass, name);
     }
     settings::show(ui, pass, "", "combine");
     settings::show(ui, pass, "", "boolean");
@@ -55,6 +66,74 @@ pub(super) fn list(ui: &mut Ui, pass: &mut Pass<'_>, selected: &mut Option<Strin
         ui.strong("Transform");
         settings::table(ui, pass, &prefix(Some(name)), "transform");
     }
+}
+
+/// Operations that combine an object with those before it: sign, name and description.
+const OPERATIONS: [(char, &str, &str); 3] = [
+    ('|', "union", "The object is added to those before it."),
+    ('-', "cut", "The object is cut out of those before it."),
+    ('&', "intersect", "Only what the object and those before it share is left."),
+];
+
+/// Buttons for the operation of an object.
+fn operation(ui: &mut Ui, pass: &mut Pass<'_>, name: &str) {
+    let scene = pass.model.scene();
+    let Some(chain) = chain(scene) else {
+        return drop(ui.weak("the objects are combined by a formula of their own: combine, in Advanced"));
+    };
+    let now = chain.iter().find(|(_, own)| own == name).map(|(sign, _)| *sign);
+    let row = Field {
+        text: Some("operation"),
+        ..field("combine.operation", "The way an object is combined with the others.")
+    };
+    let mut wanted = None;
+    widgets::line(ui, &row, |ui| {
+        for (sign, text, doc) in OPERATIONS {
+            let response = ui.selectable_label(now == Some(sign), text).on_hover_text(doc);
+            if widgets::named(ui, &response, &format!("combine.{text}")).clicked() {
+                wanted = Some(sign);
+            }
+        }
+    });
+    if let Some(sign) = wanted.filter(|sign| now != Some(*sign)) {
+        let mut chain = chain;
+        match chain.iter_mut().find(|(_, own)| own == name) {
+            Some(own) => own.0 = sign,
+            None => chain.push((sign, name.into())),
+        }
+        let is_union = chain.iter().all(|(sign, _)| *sign == '|') && chain.len() == scene.parts.len();
+        pass.draft.combine = (!is_union).then(|| written(&chain));
+        pass.touch = Some("combine".into());
+    }
+}
+
+/// The formula of a scene as operations one after another, from the main object on; `None` for any other formula.
+fn chain(scene: &Scene) -> Option<Vec<(char, String)>> {
+    let union = || scene.parts.keys().map(|name| ('|', name.clone())).collect();
+    let Some(text) = scene.combine.as_deref() else { return Some(union()) };
+    let plain: String = text.chars().filter(|c| !c.is_whitespace() && !"()".contains(*c)).collect();
+    let rest = plain.strip_prefix(MAIN)?;
+    let is_sign = |c: char| OPERATIONS.iter().any(|(sign, ..)| *sign == c);
+    let mut chain: Vec<(char, String)> = Vec::new();
+    for c in rest.chars() {
+        match chain.last_mut() {
+            _ if is_sign(c) => chain.push((c, String::new())),
+            Some((_, name)) => name.push(c),
+            None => return None,
+        }
+    }
+    let is_known = chain.iter().all(|(_, name)| scene.parts.contains_key(name));
+    // Parentheses may mean another order.
+    let same = Formula::parse(text).ok()? == Formula::parse(&written(&chain)).ok()?;
+    (is_known && same).then_some(chain)
+}
+
+/// The formula of a chain.
+fn written(chain: &[(char, String)]) -> String {
+    chain.iter().fold(MAIN.to_string(), |before, (sign, name)| match before.contains(' ') {
+        true => format!("({before}) {sign} {name}"),
+        false => format!("{before} {sign} {name}"),
+    })
 }
 
 /// The switch that hides an additional object; the main one cannot be hidden.
@@ -117,5 +196,30 @@ fn built_in(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
             Some(part) => drop(pass.draft.parts.get_mut(part).map(|part| part.object.input.clone_from(&now))),
         }
         pass.touch = Some(name);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_chain_of_operations_is_read_from_its_formula_and_written_again() {
+        let mut scene = Scene::default();
+        for name in ["a", "b"] {
+            scene.parts.insert(name.into(), Default::default());
+        }
+        let pairs = |text: Option<&str>, scene: &mut Scene| {
+            scene.combine = text.map(String::from);
+            chain(scene).map(|all| all.iter().map(|(sign, name)| format!("{sign}{name}")).collect::<Vec<_>>())
+        };
+        assert_eq!(pairs(None, &mut scene).unwrap(), ["|a", "|b"]);
+        assert_eq!(pairs(Some("(main - a) | b"), &mut scene).unwrap(), ["-a", "|b"]);
+        assert_eq!(pairs(Some("(main|b)&a"), &mut scene).unwrap(), ["|b", "&a"]);
+        assert_eq!(pairs(Some("main - b"), &mut scene).unwrap(), ["-b"]);
+        for other in ["a - main", "main - (a | b)", "main - c", "!main | a", "main & a | main & b"] {
+            assert_eq!(pairs(Some(other), &mut scene), None, "{other}");
+        }
+        assert_eq!(written(&[('-', "a".into()), ('|', "b".into())]), "(main - a) | b");
     }
 }

@@ -3,7 +3,7 @@
 use super::context::{Pass, own, prefix};
 use super::field_menu::{Of, with_menu};
 use super::keyframes::diamond;
-use super::widgets::{self, color, field, number};
+use super::widgets::{self, color, field, number, short};
 use egui::{Button, RichText, Ui};
 use hypertexture::scene::{LOOP_SECONDS, ParameterValue};
 use hypertexture::shader::ParameterKind;
@@ -34,7 +34,7 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
             let default = model.parameter_in_preset(part, parameter);
             let reset = ui.add_enabled(*value != default, Button::new("⟲").small());
             let shown = match &default {
-                ParameterValue::Number(value) => value.to_string(),
+                ParameterValue::Number(value) => short(f64::from(*value)),
                 ParameterValue::Color(color) => String::from(*color),
             };
             if widgets::named(ui, &reset, &format!("{name}.reset"))

@@ -18,12 +18,15 @@ const WIDTH: f32 = 96.0;
 const NAME: f32 = 15.0;
 /// Maximal height of the list, points: half a row shows that it scrolls.
 const HEIGHT: f32 = 212.0;
+/// Maximal share of the height of the window.
+const SHARE: f32 = 0.26;
 
 /// The list of presets, and whether they bring their own object and view.
 pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, with_own: &mut bool) {
     let own = super::widgets::field("presets.own", "Also use the object, the view and the time of the preset.");
     switch(ui, &mut None, &super::widgets::Field { text: Some("own object, view"), ..own }, with_own);
-    ScrollArea::vertical().id_salt("presets").max_height(HEIGHT).show(ui, |ui| pictures_of_all(ui, pass, *with_own));
+    let most = HEIGHT.min(SHARE * ui.ctx().content_rect().height());
+    ScrollArea::vertical().id_salt("presets").max_height(most).show(ui, |ui| pictures_of_all(ui, pass, *with_own));
 }
 
 fn pictures_of_all(ui: &mut Ui, pass: &mut Pass<'_>, with_own: bool) {

@@ -36,6 +36,10 @@ pub enum Request {
     Open(PathBuf),
     /// Performs the action of a key.
     Act(Action),
+    /// Begins a new scene, after a question if this one is not saved.
+    New,
+    /// Begins a new scene.
+    Begin,
     /// Closes the program.
     Quit,
 }

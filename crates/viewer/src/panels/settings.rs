@@ -20,7 +20,7 @@ const NOT_CHOSEN: [&str; 4] = ["objects", "stack", "surface_segment", "soft_segm
 const MADE: &str = "camera.matrices";
 
 /// Basic settings.
-const BASIC: [&str; 25] = [
+const BASIC: [&str; 28] = [
     "object.input",
     "object.iso",
     "object.up",
@@ -41,6 +41,9 @@ const BASIC: [&str; 25] = [
     "camera.zoom",
     "camera.field_of_view",
     "camera.time",
+    "transform.at",
+    "transform.turn",
+    "transform.scale",
     "animation.loop",
     "quality.samples",
     "quality.supersampling",

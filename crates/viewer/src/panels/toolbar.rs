@@ -3,28 +3,22 @@
 use super::context::{Act, Pass};
 use super::request::Request;
 use super::widgets::{button, named};
-use crate::keys;
-use egui::{Button, Key, KeyboardShortcut, Modifiers, RichText, TextEdit, Ui};
+use egui::{Button, RichText, TextEdit, Ui};
 use std::path::PathBuf;
-
-const UNDO: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::Z);
-const REDO: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::Y);
 
 /// Undo, redo, copy of the command line, editor and window buttons.
 pub(super) fn history(ui: &mut Ui, pass: &mut Pass<'_>, author_is_open: &mut bool) {
     let model = pass.model;
     ui.horizontal_wrapped(|ui| {
-        let keys = !ui.ctx().egui_wants_keyboard_input() && !keys::writes(ui.ctx());
-        let mut step = |what: Option<&str>, text: &str, name: &str, shortcut: KeyboardShortcut| {
+        let mut step = |what: Option<&str>, text: &str, name: &str, key: &str| {
             let tip = what.map_or("nothing".into(), String::from);
-            let pressed = keys && ui.input_mut(|input| input.consume_shortcut(&shortcut));
-            let response = ui.add_enabled(what.is_some(), Button::new(text)).on_hover_text(format!("{text}: {tip}"));
-            named(ui, &response, name).clicked() || (pressed && what.is_some())
+            let response = ui.add_enabled(what.is_some(), Button::new(text));
+            named(ui, &response.on_hover_text(format!("{text}: {tip} ({key})")), name).clicked()
         };
-        if step(model.undoes(), "Undo", "undo", UNDO) {
+        if step(model.undoes(), "Undo", "undo", "Ctrl+Z") {
             pass.acts.push(Act::Undo);
         }
-        if step(model.redoes(), "Redo", "redo", REDO) {
+        if step(model.redoes(), "Redo", "redo", "Ctrl+Shift+Z") {
             pass.acts.push(Act::Redo);
         }
         if button(ui, "Copy command", "copy", "Copy the command line that renders this picture.").clicked() {

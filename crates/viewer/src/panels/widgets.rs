@@ -4,23 +4,27 @@ use egui::{
     Align, Color32, ComboBox, DragValue, Layout, PointerButton, Response, Slider, SliderClamping, TextEdit, Ui, vec2,
 };
 use hypertexture::scene::Color;
+use hypertexture_support::significant;
 use std::ops::RangeInclusive;
+use toml::Value;
 
 /// Maximal width of a label, points.
 const LABEL: f32 = 122.0;
 /// Width of a row besides its label and slider: a number, a button and gaps, points.
-const BESIDE: f32 = 112.0;
+const BESIDE: f32 = 72.0 + VALUE;
 /// Width below which a label is above its control, points.
 const NARROW: f32 = 260.0;
 /// Width of a small button at the end of a row with its gap, points.
 const RESET: f32 = 28.0;
 /// Width beside a slider whose label is above it, points.
-const BELOW: f32 = 136.0;
+const BELOW: f32 = 96.0 + VALUE;
 /// Unit words in descriptions, and their suffixes.
 const UNITS: [(&str, &str); 5] =
     [("degrees", "\u{b0}"), ("seconds", " s"), ("pixels", " px"), ("texels", " tx"), ("object units", " u")];
-/// Maximal number of decimals of a slider.
-const DECIMALS: usize = 5;
+/// Width of a number with its unit, so that what stands behind it is in one column, points.
+const VALUE: f32 = 58.0;
+/// Significant digits of a number.
+const DIGITS: usize = 4;
 
 /// A field of a scene and its description.
 #[derive(Clone, Debug)]
@@ -36,6 +40,21 @@ pub struct Field<'a> {
 /// A field with the default label.
 pub fn field(name: impl Into<String>, doc: &str) -> Field<'_> {
     Field { name: name.into(), text: None, doc }
+}
+
+/// A number for a label: four significant digits, but all of those before the point.
+pub fn short(value: f64) -> String {
+    if value.abs() >= 1e3 && value.abs() < 1e9 { format!("{value:.0}") } else { significant(value, DIGITS) }
+}
+
+/// A value for a label, with short numbers.
+pub fn brief(value: &Value) -> String {
+    match value {
+        Value::Float(number) => short(*number),
+        Value::Array(all) => format!("[{}]", all.iter().map(brief).collect::<Vec<_>>().join(", ")),
+        Value::String(text) => text.clone(),
+        other => other.to_string(),
+    }
 }
 
 /// Name of the field that was last changed in this frame.
@@ -152,9 +171,12 @@ pub fn number<N: egui::emath::Numeric>(
 ) {
     let (low, high, before) = (range.start().to_f64(), range.end().to_f64(), *value);
     let slider = Slider::new(value, range).logarithmic(is_logarithmic(low, high)).clamping(SliderClamping::Never);
-    let slider = if N::INTEGRAL { slider } else { slider.max_decimals(DECIMALS) };
+    let slider = if N::INTEGRAL { slider } else { slider.custom_formatter(|value, _| short(value)) };
     let slider = slider.suffix(unit(field.doc));
-    let response = row(ui, field, |ui| ui.add(slider));
+    let response = row(ui, field, |ui| {
+        ui.spacing_mut().interact_size.x = VALUE;
+        ui.add(slider)
+    });
     match is_changed(ui, &response) {
         true => *touch = Some(field.name.clone()),
         false => *value = before,
@@ -164,7 +186,7 @@ pub fn number<N: egui::emath::Numeric>(
 /// A number without a range, dragged in proportion to its value.
 pub fn unbounded(ui: &mut Ui, touch: &mut Touch, field: &Field<'_>, value: &mut f32) {
     let speed = 0.01 * f64::from(value.abs()).max(0.1);
-    let drag = DragValue::new(value).speed(speed).max_decimals(DECIMALS).suffix(unit(field.doc));
+    let drag = DragValue::new(value).speed(speed).custom_formatter(|value, _| short(value)).suffix(unit(field.doc));
     let response = row(ui, field, |ui| ui.add(drag));
     if is_changed(ui, &response) {
         *touch = Some(field.name.clone());
@@ -178,7 +200,7 @@ pub fn numbers(ui: &mut Ui, touch: &mut Touch, field: &Field<'_>, values: &mut [
         ui.spacing_mut().item_spacing.x = 4.0;
         for (value, axis) in values.iter_mut().zip(AXES) {
             let name = format!("{}.{axis}", field.name);
-            let response = ui.add(DragValue::new(value).speed(speed).max_decimals(DECIMALS));
+            let response = ui.add(DragValue::new(value).speed(speed).custom_formatter(|value, _| short(value)));
             let response = named(ui, &response, &name).on_hover_text(tip(field));
             if is_changed(ui, &response) {
                 *touch = Some(field.name.clone());

@@ -25,6 +25,7 @@
 //! drop FILE                        drops a file on the window
 //! shot FILE                        writes the picture of the scene
 //! lose                             simulates a lost device
+//! panic                            simulates a fault of the program
 //! quit                             closes the window
 //! ```
 

@@ -19,6 +19,8 @@ pub(crate) enum ScriptEvent {
     Shot(PathBuf),
     /// Simulates a lost device.
     Lose,
+    /// Simulates a fault of the program.
+    Panic,
     /// Closes the window.
     Quit,
 }
@@ -106,6 +108,7 @@ pub(super) fn parse(line: &str) -> Result<Step, String> {
         ("drop", _) => Step::Do(ScriptEvent::Drop(path()?)),
         ("shot", _) => Step::Do(ScriptEvent::Shot(path()?)),
         ("lose", "") => Step::Do(ScriptEvent::Lose),
+        ("panic", "") => Step::Do(ScriptEvent::Panic),
         ("quit", "") => Step::Do(ScriptEvent::Quit),
         _ => return Err(format!("`{line}` is not a step")),
     })

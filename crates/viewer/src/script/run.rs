@@ -19,6 +19,8 @@ use std::time::{Duration, Instant};
 const MAX_BYTES: u64 = 1 << 20;
 /// Timeout of a step.
 const PATIENCE: Duration = Duration::from_secs(600);
+/// Interval between lines about a wait.
+const TELL: Duration = Duration::from_secs(10);
 /// Timeout for the last picture of an orbit.
 const LAST_ANSWER: Duration = Duration::from_secs(20);
 /// Interval between frames while a step waits for a picture.
@@ -34,6 +36,9 @@ pub(crate) struct Script {
     frames: u32,
     /// Latency of the running orbit, and its number of moves.
     orbit: Option<(InputLatency, u32)>,
+    /// Whether long waits are told on the standard error, and the last time.
+    is_told: bool,
+    told: Instant,
 }
 
 impl Script {
@@ -55,14 +60,16 @@ impl Script {
 
     /// The script of `--frames` and `--screenshot`.
     pub(crate) fn of_frames(frames: Option<u32>, shot: Option<PathBuf>) -> Script {
-        let wait = frames.map_or(vec![Step::Converged], |frames| vec![Step::Picture, Step::Frames(frames)]);
+        // The frames count from the first picture on; the screenshot is rendered anew.
+        let wait = frames.map_or(vec![Step::Converged], |frames| vec![Step::Drawn, Step::Frames(frames)]);
         let shot = shot.map(|path| Step::Do(ScriptEvent::Shot(path)));
         let steps = wait.into_iter().chain(shot).chain([Step::Do(ScriptEvent::Quit)]);
-        Script::new("--frames".into(), (1..).zip(steps).collect())
+        Script { is_told: true, ..Script::new("--frames".into(), (1..).zip(steps).collect()) }
     }
 
     fn new(file: String, steps: VecDeque<(usize, Step)>) -> Script {
-        Script { file, steps, events: VecDeque::new(), began: Instant::now(), frames: 0, orbit: None }
+        let (events, now) = (VecDeque::new(), Instant::now());
+        Script { file, steps, events, began: now, frames: 0, orbit: None, is_told: false, told: now }
     }
 
     /// The input before the next frame.
@@ -97,6 +104,11 @@ impl Script {
             _ => steady,
         };
         if !done {
+            if self.is_told && self.told.elapsed() >= TELL {
+                self.told = Instant::now();
+                // The standard error may be closed.
+                let _ = writeln!(io::stderr(), "view waits for {}", app.awaited());
+            }
             return match self.began.elapsed() > PATIENCE {
                 true => Err(fail(format!("{step:?} timed out after {} s", PATIENCE.as_secs()))),
                 false => Ok(None),

@@ -61,6 +61,8 @@ pub(crate) struct Picture {
     /// View of the picture.
     pub(crate) sight: Option<ViewPose>,
     pub(crate) stage: Stage,
+    /// Part of an unfinished picture that is drawn, 0 to 1.
+    pub(crate) done: f32,
     /// Time of all variants on the device, milliseconds.
     pub(crate) gpu_ms: f64,
     pub(crate) error: Option<f64>,

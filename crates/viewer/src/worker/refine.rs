@@ -173,12 +173,14 @@ impl RenderThread {
             }
             let mut pixels = std::mem::take(&mut all[index]);
             let others = &all;
-            let mut show = |pixels: &[[f32; 4]]| {
+            let count = job.variants.len() as f32;
+            let mut show = |pixels: &[[f32; 4]], part: f32| {
                 if shown.elapsed() >= SHOW_EVERY {
                     shown = Instant::now();
                     let of = |other: usize| if other == index { pixels } else { others[other].as_slice() };
                     let frames: Vec<&[[f32; 4]]> = (0..others.len()).map(of).collect();
-                    let picture = Picture::of(job, Stage::Partial, accumulation.gpu_ms);
+                    let done = (index as f32 + part) / count;
+                    let picture = Picture { done, ..Picture::of(job, Stage::Partial, accumulation.gpu_ms) };
                     self.send_picture(job, accumulation, &frames, picture);
                 }
             };
@@ -209,7 +211,7 @@ impl RenderThread {
         scene: &Scene,
         renderer: &mut Renderer,
         pixels: &mut Vec<[f32; 4]>,
-        mut show: impl FnMut(&[[f32; 4]]),
+        mut show: impl FnMut(&[[f32; 4]], f32),
     ) -> Result<Option<Drawn>, RenderError> {
         let (number, [width, height]) = (job.number, scene.image.size);
         let stale = || self.shared.is_stale(number);
@@ -243,7 +245,7 @@ impl RenderThread {
             left = rest;
             drawn.ms += frame.measurements.device_ms();
             drawn.measurements = Some(frame.measurements);
-            show(pixels);
+            show(pixels, 1.0 - left.len() as f32 / all.len() as f32);
         }
         Ok(Some(drawn))
     }

@@ -58,7 +58,7 @@ impl RenderThread {
     /// The picture of a scene with the object of the job; `None` if the job is stale.
     fn pixels(&self, job: &Job, scene: &Scene, renderer: &mut Renderer) -> Result<Option<Vec<[f32; 4]>>, RenderError> {
         let mut pixels = Vec::new();
-        Ok(self.in_tiles(job, scene, renderer, &mut pixels, |_| ())?.map(|_| pixels))
+        Ok(self.in_tiles(job, scene, renderer, &mut pixels, |_, _| ())?.map(|_| pixels))
     }
 
     /// The picture of a scene with another object, which is loaded first.

@@ -2,8 +2,8 @@
 
 use super::complete::BUILTINS;
 use super::field::FONT;
-use egui::Color32;
 use egui::text::{LayoutJob, TextFormat};
+use egui::{Align, Color32};
 use hypertexture::shader::declare::declaration;
 use hypertexture::shader::{is_reserved, tokens};
 use std::ops::Range;
@@ -24,6 +24,9 @@ pub(super) struct Colors {
     /// Text and background of the current match.
     current: [Color32; 2],
 }
+
+/// Height of a line with room for its error below, in sizes of the font.
+const TALL: f32 = 2.6;
 
 const DARK: Colors = Colors {
     plain: Color32::from_gray(214),
@@ -56,13 +59,14 @@ pub(super) fn colors(is_dark: bool) -> &'static Colors {
     if is_dark { &DARK } else { &LIGHT }
 }
 
-/// Highlights a text. `parameters` have the color of declarations; lines that are `wrong`, counted from 1, and the
-/// byte ranges `found` have backgrounds, and the match `current` has its own.
+/// Highlights a text. `parameters` have the color of declarations; lines that are `wrong`, counted from 1, and the byte
+/// ranges `found` have backgrounds, and the match `current` has its own. Lines that are `tall` have room for an error below.
 pub(super) fn job(
     text: &str,
     colors: &Colors,
     parameters: &[String],
     wrong: &dyn Fn(usize) -> bool,
+    tall: &[usize],
     found: &[Range<usize>],
     current: usize,
 ) -> LayoutJob {
@@ -91,7 +95,10 @@ pub(super) fn job(
         };
         for piece in token.split_inclusive('\n') {
             let behind = if wrong(line) { colors.wrong_line } else { Color32::TRANSPARENT };
-            let format = TextFormat { background: behind, ..TextFormat::simple(FONT, color) };
+            let mut format = TextFormat { background: behind, ..TextFormat::simple(FONT, color) };
+            if tall.contains(&line) {
+                (format.line_height, format.valign) = (Some(TALL * FONT.size), Align::TOP);
+            }
             append(&mut job, piece, at, format, &marks);
             at += piece.len();
             line += usize::from(piece.ends_with('\n'));
@@ -123,7 +130,7 @@ mod tests {
         let text = "// A part.\n// @param zest = 0.5 in [0, 2]: New.\n#include <noise>\n#define TWO 2\nfloat part(float d) {\n    \
                     /* a\n b */ return zest * clamp(d, 0.0, 1.5) + part_of(d);\n}\n";
         let found = super::super::find::matches(text, "part");
-        let job = job(text, &DARK, &["zest".into()], &|line| line == 6, &found, 1);
+        let job = job(text, &DARK, &["zest".into()], &|line| line == 6, &[], &found, 1);
         assert_eq!(job.text, text);
         let format = |word: &str| {
             let at = text.rfind(word).unwrap();

@@ -42,12 +42,23 @@ pub(super) fn show(ui: &mut Ui, author: &mut Author, model: &Model, editor: &mut
     ScrollArea::both().id_salt("author.text").auto_shrink(false).show(ui, |ui| {
         let view = ui.clip_rect();
         let found = find::matches(&author.text, &editor.find.text);
+        // A line that leaves too little room for its error has a row below for it.
+        let room = view.width() - gutter;
+        let mut tall = Vec::new();
+        for (line, text) in (1..).zip(author.text.lines()).filter(|_| !wraps) {
+            let Some(fault) = fault(line) else { continue };
+            let error = (digit * (fault.text.chars().count() + 2) as f32).min(HIDES * room);
+            if digit * text.chars().count() as f32 + 2.0 * GAP + error > room {
+                tall.push(line);
+            }
+        }
         let mut layouter = |ui: &Ui, buffer: &dyn egui::TextBuffer, width: f32| {
             // The matches are those of the text before the edit, and follow one frame later.
             let text = buffer.as_str();
             let found: &[Range<usize>] =
                 if found.iter().all(|range| text.get(range.clone()).is_some()) { &found } else { &[] };
-            let mut job = highlight::job(text, colors, &parameters, &|line| fault(line).is_some(), found, current);
+            let mut job =
+                highlight::job(text, colors, &parameters, &|line| fault(line).is_some(), &tall, found, current);
             if wraps {
                 job.wrap = TextWrapping::wrap_at_width(width);
             }
@@ -76,9 +87,7 @@ pub(super) fn show(ui: &mut Ui, author: &mut Author, model: &Model, editor: &mut
             &fault,
         );
         let room = Rect::from_min_max(pos2(view.left() + gutter, view.top()), view.max);
-        let cursor = shown.cursor_range.map(|range| shown.galley.pos_from_cursor(range.primary));
-        let cursor = cursor.map(|cursor| cursor.center().y + shown.galley_pos.y);
-        messages(ui, &shown.galley, shown.galley_pos, room, cursor, &fault);
+        messages(ui, &shown.galley, shown.galley_pos, room, &tall, &fault);
         if shown.response.changed() {
             author.touch();
         }
@@ -139,27 +148,26 @@ fn numbers<'a>(ui: &Ui, galley: &Galley, from: Pos2, gutter: Rect, fault: &dyn F
     }
 }
 
-/// The error of each line at its end or at the edge of the view; below the line of the cursor if it would cover text
-/// there.
+/// The error of each line at its end, or at the edge of the view; in the row below the text of a `tall` line.
 fn messages<'a>(
     ui: &Ui,
     galley: &Galley,
     from: Pos2,
     room: Rect,
-    cursor: Option<f32>,
+    tall: &[usize],
     fault: &dyn Fn(usize) -> Option<&'a Fault>,
 ) {
     let (painter, wrong) = (ui.painter(), ui.visuals().error_fg_color);
-    for (line, [first, last]) in lines(galley, from, room) {
+    for (line, [_, last]) in lines(galley, from, room) {
         let Some(fault) = fault(line) else { continue };
         let free = (room.right() - last.right() - GAP - 8.0).max(HIDES * room.width());
         let mut job = LayoutJob::single_section(format!("◀ {}", fault.text), TextFormat::simple(FONT, wrong));
         job.wrap = TextWrapping::truncate_at_width(free);
         let text = ui.fonts_mut(|fonts| fonts.layout_job(job));
         let left = (last.right() + GAP).min(room.right() - text.size().x - 8.0).max(room.left());
-        let is_written = cursor.is_some_and(|y| y >= first.top() && y <= last.bottom());
-        let down = if is_written && left < last.right() + GAP { last.height() } else { 0.0 };
-        let at = pos2(left, last.center().y + down - 0.5 * text.size().y);
+        let top =
+            if tall.contains(&line) { last.bottom() - text.size().y } else { last.center().y - 0.5 * text.size().y };
+        let at = pos2(left, top);
         let behind = Rect::from_min_size(at, text.size()).expand2(vec2(4.0, 0.0));
         painter.rect_filled(behind, 2.0, ui.visuals().extreme_bg_color);
         painter.galley(at, text, wrong);

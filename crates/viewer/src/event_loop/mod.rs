@@ -1,32 +1,27 @@
-//! The event loop: window events, and the time of the next frame.
+//! The event loop: window events, the device, and the end of the window.
 
-use super::ViewError;
-use super::app::{App, Start};
-use super::background::Notify;
-use super::display::{Display, Guard, fitted};
-use super::input::passes;
-use super::reader::Reader;
-use super::script::{Script, widgets};
-use super::unsaved::Latest;
-use super::window_state::{WindowState, perform};
-use egui::{Event, FullOutput, ViewportCommand, ViewportId};
-use hypertexture::gpu::{GpuError, Messages, Presented};
+mod frame;
+
+use crate::ViewError;
+use crate::app::{App, Start};
+use crate::background::Notify;
+use crate::display::{Display, Guard, fitted};
+use crate::reader::Reader;
+use crate::script::Script;
+use crate::unsaved::Latest;
+use crate::window_state::WindowState;
+use hypertexture::gpu::{GpuError, Messages};
 use hypertexture_support::ending;
 use std::io::{self, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use winit::application::ApplicationHandler;
-use winit::dpi::{LogicalSize, PhysicalSize};
-use winit::event::{StartCause, WindowEvent};
-use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
-use winit::window::{Fullscreen, Window, WindowId};
+use winit::dpi::LogicalSize;
+use winit::event::{ElementState, StartCause, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, EventLoop, EventLoopProxy};
+use winit::window::{Window, WindowId};
 
-/// Interval between frames while a script runs.
-const SCRIPT_PACE: Duration = Duration::from_millis(16);
-
-/// Interval between frames of a hidden window: some window managers do not report when it is visible again.
-const HIDDEN_PACE: Duration = Duration::from_millis(250);
 /// Color depths that every driver supports.
 const DEPTHS: [u8; 2] = [24, 32];
 
@@ -67,6 +62,7 @@ pub fn run(start: Start) -> Result<(), ViewError> {
     };
     let (display, latest) = (Arc::new(Display::find()?), Latest::default());
     let guard = Guard::watch(display.clone(), latest.clone());
+    let keeper = latest.watch();
     let mut builder = EventLoop::<Message>::with_user_event();
     display.choose(&mut builder);
     let event_loop = builder.build().map_err(|error| {
@@ -104,7 +100,7 @@ pub fn run(start: Start) -> Result<(), ViewError> {
             messages: Vec::new(),
             reopened: false,
             display,
-            latest,
+            latest: latest.clone(),
             notify,
             readers,
             minimized: false,
@@ -119,12 +115,16 @@ pub fn run(start: Start) -> Result<(), ViewError> {
         if ran.is_err() || handler.outcome.is_err() {
             guard.end_if_gone();
         }
-        if handler.script.is_none() || handler.interrupted.load(Ordering::Relaxed) {
-            let latest = Latest::default();
-            handler.app.note_unsaved(&latest);
+        drop(keeper);
+        handler.app.note_last(&latest);
+        // A script that has ended leaves nothing to restore.
+        if handler.script.is_some() && !handler.interrupted.load(Ordering::Relaxed) {
+            latest.discard();
+        } else {
             if let Some(folder) = latest.keep() {
                 let _ = writeln!(io::stdout(), "unsaved work is in {}", folder.display());
             }
+            latest.release();
         }
         if let (Some(ending), Some(_)) = (handler.ending, &handler.script) {
             drop(handler.state.take());
@@ -206,7 +206,7 @@ impl ApplicationHandler<Message> for EventHandler {
             #[cfg(feature = "desktop")]
             Message::Reader(event) => {
                 if let Some(state) = &mut self.state {
-                    self.read = super::reader::answer(event, state, self.script.is_some(), self.read);
+                    self.read = crate::reader::answer(event, state, self.script.is_some(), self.read);
                 }
             }
         }
@@ -225,6 +225,9 @@ impl ApplicationHandler<Message> for EventHandler {
             WindowEvent::RedrawRequested => {
                 let drawn = self.frame(event_loop);
                 return self.exit_on_error(event_loop, drawn);
+            }
+            WindowEvent::MouseInput { state: ElementState::Pressed, .. } if !state.window.has_focus() => {
+                self.display.focus(&state.window);
             }
             WindowEvent::Occluded(occluded) => {
                 self.occluded = *occluded;
@@ -306,98 +309,5 @@ impl EventHandler {
         if let Some(state) = &self.state {
             state.window.request_redraw();
         }
-    }
-
-    fn frame(&mut self, event_loop: &ActiveEventLoop) -> Result<(), ViewError> {
-        self.app.receive();
-        if self.app.lost {
-            return Err(GpuError::lost().into());
-        }
-        if self.waiting && self.app.is_current() {
-            self.waiting = false;
-            let seconds = self.start.began.elapsed().as_secs_f64();
-            match self.script {
-                Some(_) => drop(writeln!(io::stdout(), "first picture after {seconds:.2} s")),
-                None => log::info!("first picture after {seconds:.2} s"),
-            }
-        }
-        let event = match (&mut self.script, &self.state) {
-            (Some(script), Some(state)) => script.next(&mut self.app, &state.widgets)?,
-            _ => None,
-        };
-        let Some(state) = &mut self.state else { return Ok(()) };
-        if let Some(event) = event {
-            self.minimized = perform(event, state, &mut self.app, self.minimized)?;
-        }
-        let hidden = self.minimized || self.occluded || self.display.hides(&state.window);
-        if (hidden || self.hidden) && self.script.is_none() {
-            self.app.rest();
-        }
-        let raw = state.input.take_egui_input(&state.window);
-        let PhysicalSize { width, height } = state.window.inner_size();
-        let size = if hidden { [0, 0] } else { [width, height] };
-        let mut output = FullOutput::default();
-        for pass in passes(raw) {
-            output.append(state.context.run_ui(pass, |ui| self.app.ui(ui)));
-        }
-        state.fonts.look(&state.context, &output.shapes);
-        self.app.note_unsaved(&self.latest);
-        if let Some(update) = &output.platform_output.accesskit_update {
-            state.widgets = widgets(update);
-        }
-        state.input.handle_platform_output(&state.window, output.platform_output);
-        let mut asked = output.viewport_output.values().flat_map(|viewport| &viewport.commands);
-        if asked.any(|command| *command == ViewportCommand::RequestPaste) {
-            let text = state.input.clipboard_text().unwrap_or_default();
-            state.input.egui_input_mut().events.push(Event::Paste(text));
-            state.window.request_redraw();
-        }
-        // egui reports a texture change once, even if the window is not drawn in this frame.
-        state.textures.append(output.textures_delta);
-        let held = self.app.hold(Instant::now());
-        let mut shown = Presented::Yes;
-        if held.is_none() {
-            let primitives = state.context.tessellate(output.shapes, output.pixels_per_point);
-            let textures = std::mem::take(&mut state.textures);
-            shown = state.canvas.draw(size, textures, &primitives, output.pixels_per_point, self.app.pictures())?;
-            self.shown += u64::from(shown != Presented::Hidden);
-            if self.hidden != (shown == Presented::Hidden) {
-                self.hidden = !self.hidden;
-                let state = if self.hidden { "hidden" } else { "seen" };
-                log::info!("the window is {state} after {} frames", self.shown);
-            }
-            self.app.drawn();
-        }
-        if let Some(script) = &mut self.script {
-            script.drawn(&self.app, held.is_none());
-        }
-        let title = self.app.title();
-        if state.title != title {
-            state.window.set_title(&title);
-            state.title = title;
-        }
-        if state.full_screen != self.app.full_screen {
-            state.full_screen = self.app.full_screen;
-            state.window.set_fullscreen(state.full_screen.then_some(Fullscreen::Borderless(None)));
-        }
-        let wanted =
-            output.viewport_output.get(&ViewportId::ROOT).map_or(Duration::MAX, |viewport| viewport.repaint_delay);
-        let wanted = wanted.min(held.unwrap_or(Duration::MAX));
-        let delay = match (&self.script, shown) {
-            (Some(script), _) => wanted.min(script.pace().unwrap_or(SCRIPT_PACE)),
-            (None, Presented::Later) => Duration::ZERO,
-            // Background work goes on while the window is hidden.
-            (None, Presented::Hidden) => HIDDEN_PACE,
-            (None, Presented::Yes) => wanted,
-        };
-        event_loop.set_control_flow(match Instant::now().checked_add(delay) {
-            Some(_) if delay.is_zero() => {
-                state.window.request_redraw();
-                ControlFlow::Wait
-            }
-            Some(then) if delay < Duration::from_secs(3600) => ControlFlow::WaitUntil(then),
-            _ => ControlFlow::Wait,
-        });
-        Ok(())
     }
 }
