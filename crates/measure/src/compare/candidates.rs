@@ -337,7 +337,9 @@ mod tests {
         };
         let fire = all("fire_ball", &sweep);
         assert!(has(&fire, "encoded 64³, march, point, exact filter, 16 samples"));
-        assert!(!exact(&fire).contains("procedural"), "a formula and computed turbulence");
+        assert!(exact(&fire).contains("procedural"), "a map of colors");
+        let noisy = exact(&all("noisy_sphere", &sweep));
+        assert!(noisy.contains("block") && !noisy.contains("procedural"), "a formula and computed noise: {noisy:?}");
         assert!(exact(&all("fire_ball", &Sweep { filters: false, ..sweep.clone() })).is_empty());
         let mut own = preset("fire").unwrap();
         own.quality.filter = Filter::Exact;
