@@ -21,6 +21,7 @@ mod covered;
 mod device;
 #[cfg(feature = "window")]
 mod encoder;
+pub mod ending;
 mod error;
 mod faults;
 mod format;
@@ -31,7 +32,6 @@ mod memory;
 mod messages;
 mod physical;
 mod pipeline;
-mod process;
 mod sampler;
 mod submit;
 #[cfg(feature = "window")]
@@ -58,7 +58,6 @@ pub use image::{Dimension, Image, ImageUse, Uploads};
 pub use messages::Messages;
 pub use physical::{DeviceInfo, optional_features, required_features};
 pub use pipeline::{Blend, Marks, Pipeline, PipelineDescription};
-pub use process::exit_at_once;
 pub use sampler::{Address, Sampler};
 pub use submit::Submitted;
 

@@ -1,9 +1,9 @@
 //! Submission of commands; each is timed and waited for.
 
-use super::{Commands, Gpu, GpuError, Named};
+use super::{Commands, Gpu, GpuError, Named, ending};
 use ash::vk;
+use hypertexture_support::faults;
 use hypertexture_support::watchdog::Watchdog;
-use hypertexture_support::{ending, faults};
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 

@@ -16,12 +16,11 @@ use crate::{
     view::{self, NoWindow},
 };
 use clap::error::ErrorKind;
-use hypertexture::gpu::{GpuError, Options};
+use hypertexture::gpu::{GpuError, Options, ending};
 use hypertexture::scene::schema::{SETTINGS, Setting};
 use hypertexture::scene::{SceneError, parse_value};
 use hypertexture::shader::compile;
 use hypertexture_measure::{guard, worker};
-use hypertexture_support::ending;
 use hypertexture_support::jobs::Parent;
 use std::error::Error;
 use std::ffi::OsString;
@@ -73,7 +72,7 @@ pub fn main() -> ExitCode {
         },
         Err(error) if error.is::<Interrupted>() || matches!(gpu_error(&*error), Some(GpuError::Interrupted { .. })) => {
             complain(&error.to_string());
-            ending::finish(i32::from(INTERRUPTED));
+            ending::finish(INTERRUPTED);
             ExitCode::from(INTERRUPTED)
         }
         #[cfg(feature = "viewer")]

@@ -3,6 +3,7 @@
 use super::picture::Picture;
 use super::{absolute, with_progress};
 use clap::Args;
+use hypertexture::gpu::ending;
 use hypertexture::output::sequence::{Frames, Manifest, Sequence, frame_path, manifest_path};
 use hypertexture::output::shard::{Shard, ShardError};
 use hypertexture::output::{Animated, Provenance, Sheet, identity, write};
@@ -10,7 +11,6 @@ use hypertexture::render::variant::Variant;
 use hypertexture::render::{Frame, RenderError, Renderer, Subject, SubjectRequest, loop_note, same_pictures};
 use hypertexture::scene::{Color, Scene};
 use hypertexture::shader::Library;
-use hypertexture_support::ending;
 use serde_json::{Value, json};
 use std::error::Error;
 use std::panic::resume_unwind;
@@ -289,7 +289,7 @@ pub fn stop_flag() -> Result<Arc<AtomicBool>, Box<dyn Error>> {
     let stop = Arc::new(AtomicBool::new(false));
     let flag = stop.clone();
     ctrlc::set_handler(move || {
-        ending::begin(i32::from(super::INTERRUPTED), GRACE, || ());
+        ending::begin(super::INTERRUPTED, GRACE, || ());
         flag.store(true, Ordering::Relaxed);
     })
     .map_err(|error| format!("no handler for Ctrl-C: {error}"))?;

@@ -1,7 +1,6 @@
 //! Utilities of every layer: atomic file writes, a disk cache, child processes under limits, random numbers, text for people.
 
 pub mod disk_cache;
-pub mod ending;
 #[doc(hidden)] // for tests
 pub mod faults;
 mod files;

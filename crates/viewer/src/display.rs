@@ -2,7 +2,7 @@
 
 use super::ViewError;
 use super::unsaved::Latest;
-use hypertexture::gpu::{exit_at_once, has_keyboard_data, has_library, on_broken_display};
+use hypertexture::gpu::{ending, has_keyboard_data, has_library, on_broken_display};
 use raw_window_handle::{HasWindowHandle, RawWindowHandle};
 use std::env;
 use std::io::{self, Write};
@@ -216,7 +216,7 @@ impl Guard {
                 None => ViewError::Ended(self.display.name(), kept),
             }
         );
-        exit_at_once(NO_WINDOW);
+        ending::exit_at_once(NO_WINDOW);
     }
 }
 

@@ -2,9 +2,8 @@
 
 use super::probes::{Bench, LOOPS};
 use crate::sequence::stop_flag;
-use hypertexture::gpu::{Gpu, GpuError, Options};
+use hypertexture::gpu::{Gpu, GpuError, Options, ending};
 use hypertexture::shader::{self, Linker};
-use hypertexture_support::ending;
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 use std::sync::atomic::Ordering;
@@ -47,7 +46,7 @@ fn a_signal_ends_a_wait_for_a_device() {
     assert!(child.try_wait().unwrap().is_none(), "the draw takes minutes");
     assert!(Command::new("kill").arg(child.id().to_string()).status().unwrap().success());
     let said: Vec<String> = lines.collect();
-    child.wait().unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(0));
     let ended = asked.elapsed().saturating_sub(Duration::from_millis(300));
     println!("ended {:.2} s after the signal", ended.as_secs_f64());
     assert!(ended < Duration::from_secs(3), "the signal waited for the device: {ended:?}");

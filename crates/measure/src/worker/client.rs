@@ -1,11 +1,10 @@
 //! The parent's side: starts the process, limits it, and restarts it.
 
 use super::{Drawn, Failed, JOB, Load, Request, Task};
-use hypertexture::gpu::Gpu;
+use hypertexture::gpu::{Gpu, ending};
 use hypertexture::render::{Frame, RenderError, Renderer, Subject};
 use hypertexture::scene::{Scene, to_text};
 use hypertexture::shader::{self, Library};
-use hypertexture_support::ending;
 use hypertexture_support::jobs::{Child, Ended, Limits};
 use std::cell::RefCell;
 use std::path::PathBuf;

@@ -10,8 +10,7 @@ use crate::reader::Reader;
 use crate::script::Script;
 use crate::unsaved::Latest;
 use crate::window_state::WindowState;
-use hypertexture::gpu::{GpuError, Messages};
-use hypertexture_support::ending;
+use hypertexture::gpu::{GpuError, Messages, ending};
 use std::io::{self, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -29,7 +28,7 @@ const DEPTHS: [u8; 2] = [24, 32];
 const GRACE: Duration = Duration::from_millis(300);
 
 /// Exit code after a second signal, as in shells after Ctrl-C.
-const INTERRUPTED: i32 = 130;
+const INTERRUPTED: u8 = 130;
 
 /// A message to the event loop from another thread.
 enum Message {

@@ -1,10 +1,10 @@
-//! The end of the program by a signal, also while a device does not answer.
+//! The end of the process by a signal or with the display, also while a device does not answer.
 //!
 //! Role: the handler of a signal calls [`begin`], a wait for a device asks [`gives_up`], and the program calls [`finish`]
 //! once it has written what it keeps. Invariant: such a wait ends within a second of the signal, or of its own start if
 //! that is later, and the program no later than the grace of [`begin`] after that.
 
-use std::process;
+use std::ffi::c_int;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -12,8 +12,6 @@ use std::time::{Duration, Instant};
 
 /// Longest wait for a device after a signal. Lower: a frame of a loaded machine is lost. Higher: the program ends late.
 const PATIENCE: Duration = Duration::from_millis(500);
-/// Time for the end of the process, after which it is killed: drivers wait for their threads.
-const EXIT: Duration = Duration::from_millis(100);
 const POLL: Duration = Duration::from_millis(20);
 
 static BEGAN: OnceLock<Instant> = OnceLock::new();
@@ -23,9 +21,9 @@ static LEFT: AtomicBool = AtomicBool::new(false);
 ///
 /// If a wait for a device is given up, the process ends by [`finish`], or else `grace` after it: `keep` stores what would
 /// be lost then.
-pub fn begin(code: i32, grace: Duration, keep: impl FnOnce() + Send + 'static) {
+pub fn begin(code: u8, grace: Duration, keep: impl FnOnce() + Send + 'static) {
     if BEGAN.set(Instant::now()).is_err() {
-        process::exit(code);
+        exit_at_once(code);
     }
     thread::spawn(move || {
         while !LEFT.load(Ordering::Relaxed) {
@@ -33,14 +31,14 @@ pub fn begin(code: i32, grace: Duration, keep: impl FnOnce() + Send + 'static) {
         }
         thread::sleep(grace);
         keep();
-        exit(code);
+        exit_at_once(code);
     });
 }
 
 /// Ends the process with this code if a device was left at work, whose driver may never let it end; else does nothing.
-pub fn finish(code: i32) {
+pub fn finish(code: u8) {
     if LEFT.load(Ordering::Relaxed) {
-        exit(code);
+        exit_at_once(code);
     }
 }
 
@@ -50,21 +48,17 @@ pub fn gives_up(start: Instant) -> bool {
 }
 
 /// Notes that a device was left at work: the process ends soon.
-pub fn leave_device() {
+pub(super) fn leave_device() {
     LEFT.store(true, Ordering::Relaxed);
 }
 
-fn exit(code: i32) -> ! {
-    thread::spawn(|| {
-        thread::sleep(EXIT);
-        kill_this_process();
-    });
-    process::exit(code)
+// SAFETY: the function of POSIX and of Windows has this type, and takes any number.
+unsafe extern "C" {
+    safe fn _exit(code: c_int) -> !;
 }
 
-fn kill_this_process() {
-    #[cfg(unix)]
-    let _ = rustix::process::kill_process(rustix::process::getpid(), rustix::process::Signal::KILL);
-    #[cfg(not(unix))]
-    process::abort();
+/// Ends the process without the exit handlers of its libraries: they free objects that threads of a driver still use, or
+/// wait for those threads.
+pub fn exit_at_once(code: u8) -> ! {
+    _exit(code.into())
 }
