@@ -325,9 +325,9 @@ fn the_front_of_a_thin_difference_is_that_of_the_object() {
                 let off = |(a, b): (&[f32; 4], &[f32; 4])| (0..4).map(|c| (a[c] - b[c]).abs()).fold(0.0, f32::max);
                 let off: Vec<f32> = ball.pixels.iter().zip(&hollow.pixels).map(off).collect();
                 let wrong = off.iter().filter(|off| **off > 0.02).count();
-                // Of some rays in a thousand the search between two samples passes over the wall.
                 let covered = ball.pixels.iter().filter(|pixel| pixel[3] > 0.5).count();
-                assert!(wrong * 40 <= covered, "{boolean}, {formula}, {place}: {wrong} pixels of {covered}");
+                println!("{boolean}, {formula}, {place}: {wrong} of {covered} pixels");
+                assert!(wrong * 200 <= covered, "{boolean}, {formula}, {place}: {wrong} pixels of {covered}");
             }
         }
     });

@@ -302,7 +302,7 @@ vec4 classify(vec3 x, float path) {{
             vec3 between = x + part.at * part.back;
 {bare}            gap = gap_of({combined}, part.size);
         }}
-        if (!part.met || part.at <= end) break;
+        if (!part.met || (part.at <= end && part.near.y <= 0.0)) break;
         place = x + part.at * part.back;
         entered_from = part.back;
         entry_reach = THIN * part.size;
