@@ -101,8 +101,7 @@ pub enum PickError {
         "no settings draw this scene with a {metric} error of {asked:e}: the nearest, {nearest}, has {}{}; {}try another `--metric`",
         known(*found, *own),
         compared.map(|[some, all]| format!(" in the {some} of {all} pixels compared")).unwrap_or_default(),
-        allow.map(|error| format!("{error:e} can be kept: allow that{}, or ", compared.map_or("", |_| ", which bounds all of them")))
-            .unwrap_or_default()
+        allow.map(|allow| allow.advice(compared.is_some())).unwrap_or_default()
     )]
     Bound {
         /// Metric of the error.
@@ -118,8 +117,30 @@ pub enum PickError {
         /// Compared pixels and all, where it is an estimate from these.
         compared: Option<[usize; 2]>,
         /// A bound that was tried and kept.
-        allow: Option<f64>,
+        allow: Option<Kept>,
     },
+}
+
+/// A bound that a pick keeps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kept {
+    /// The bound.
+    pub error: f64,
+    /// Error of the pick with all the opacity that bounds of the reference leave open.
+    pub by_proof: f64,
+}
+
+impl Kept {
+    /// The end of a refusal; `all`: the error that was refused is one of some pixels.
+    fn advice(self, all: bool) -> String {
+        let Kept { error, by_proof } = self;
+        let all = if all { ", which holds for all of them" } else { "" };
+        let open = match by_proof > error {
+            true => format!(", as far as samples see ({:.1e} with all that bounds leave open)", rounded_up(by_proof)),
+            false => String::new(),
+        };
+        format!("{error:e} can be kept: allow that{all}{open}, or ")
+    }
 }
 
 impl From<CompareError> for PickError {

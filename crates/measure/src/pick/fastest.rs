@@ -1,6 +1,6 @@
 //! The search: what is drawn whole, and when it ends.
 
-use super::bound::{ErrorBound, Pick, PickError, Verified};
+use super::bound::{ErrorBound, Kept, Pick, PickError, Verified};
 use super::search::{Search, Trial};
 use super::whole::{MOST_PIXELS, Whole};
 use super::{candidates, store};
@@ -80,7 +80,7 @@ fn advise(
             Err(error) => return Err(error),
         }
     }
-    let allow = advised.as_ref().map(|(bound, _)| bound.error);
+    let allow = (advised.as_ref()).map(|(bound, pick)| Kept { error: bound.error, by_proof: pick.verified.by_proof() });
     Ok((PickError::Bound { metric, asked, nearest, own, found, compared, allow }, advised))
 }
 

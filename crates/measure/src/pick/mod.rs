@@ -16,5 +16,5 @@ mod search;
 mod store;
 mod whole;
 
-pub use bound::{ErrorBound, Pick, PickError, Verified};
+pub use bound::{ErrorBound, Kept, Pick, PickError, Verified};
 pub use fastest::{pick, remembered};

@@ -24,7 +24,7 @@ pub(super) type Light = ([f64; 4], f64, f64);
 pub(super) const BETWEEN: u32 = 4;
 /// Undecided opacity from which on bounds were vain. Lower: rays that bounds would nearly prove are given up. Higher: bounds of noise
 /// are computed in vain.
-const VAIN: f64 = 0.1;
+const VAIN: f64 = 0.3;
 /// Of pixels that lie apart, those that were followed first and are nearest say what is vain, so many of them.
 const NEAREST: usize = 3;
 

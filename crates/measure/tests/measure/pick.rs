@@ -113,6 +113,7 @@ fn a_smaller_bound_is_no_cheaper_and_an_impossible_one_says_what_is_nearest() {
         let text = error.to_string();
         assert!(text.starts_with("no settings draw this scene with a rmse error of 1e-12: the nearest, "), "{text}");
         let PickError::Bound { allow: Some(allow), .. } = error else { panic!("no advice: {text}") };
+        let allow = allow.error;
         assert!(text.contains(&format!("; {allow:e} can be kept: ")), "{text}");
         assert!(pick(Metric::Rmse, allow).unwrap().verified.error <= allow);
         assert!(ErrorBound::new(Metric::Max, 0.0).unwrap_err().to_string().contains("must be above 0"));
