@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Calls of which a failure costs time and nothing else: those of kept files.
-const DONE_WITHOUT: [&str; 3] = ["read", "create_dir", "vkGetPipelineCacheData"];
+const DONE_WITHOUT: [&str; 2] = ["read", "vkGetPipelineCacheData"];
 /// Calls that kept files have, as well as those of the person.
 const OF_KEPT: [&str; 6] = ["create", "open", "rename", "set_permissions", "sync", "write"];
 /// The call that loses the device, which is opened once more.
