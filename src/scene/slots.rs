@@ -107,8 +107,8 @@ impl Scene {
         if effect.wind == NONE {
             slots.remove(WIND);
         }
-        // It makes nothing but that normal; `central` also moves samples to where the ray enters dense matter.
-        if effect.gradient == "three" && !is_lit(library, &slots) {
+        // Both make nothing but that normal; `central` moves samples for its sake.
+        if ["central", "three"].contains(&effect.gradient.as_str()) && !is_lit(library, &slots) {
             slots.insert("gradient".into(), vec!["analytic".into()]);
         }
         if self.groom.is_some() {

@@ -152,7 +152,8 @@ fn p43_what_a_dmf_leaves_for_the_medium_survives_every_probe() {
     let medium = "// Told.\n// Source: -\nvec3 medium(Sample s, float density) {\n    \
          Sample beside = sample_object(s.x + vec3(0.05, 0.02, 0.03));\n    \
          float there = modulate(beside.density, beside);\n    \
-         return vec3(distance(s.hair_normal, left(s.x)), distance(s.hair_tangent, left(2.0 * s.x)), 0.5 + 1e-6 * there);\n}\n";
+         float probed = 1e-6 * (there + s.shading.x);\n    \
+         return vec3(distance(s.hair_normal, left(s.x)), distance(s.hair_tangent, left(2.0 * s.x)), 0.5 + probed);\n}\n";
     let library = shader::shipped().with_module("dmf", "leaves", &dmf).with_module("medium", "told", medium);
     with_gpu(|gpu| {
         for gradient in ["analytic", "central", "three"] {

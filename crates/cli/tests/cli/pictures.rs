@@ -65,12 +65,11 @@ fn what_changes_nothing_is_said_in_one_line() {
     assert_eq!(ignored("torus --effect shells --shadows"), "light.shadows = true");
     assert_eq!(ignored("fire_ball"), "", "what a preset sets is not said");
     assert_eq!(ignored("torus --depth 16 -o a.exr"), "--depth 16");
-    for effect in ["fire", "fur"] {
-        let said = ignored(&format!("torus --effect {effect} --gradient three"));
-        assert_eq!(said, "effect.gradient = \"three\"", "{effect} reads no normal of soft matter");
-        let said = ignored(&format!("torus --effect {effect} --gradient central"));
-        assert_eq!(said, "", "{effect} is drawn where rays enter dense matter");
+    for (effect, gradient) in [("fire", "three"), ("fire", "central"), ("fur", "three"), ("fur", "central")] {
+        let said = ignored(&format!("torus --effect {effect} --gradient {gradient}"));
+        assert_eq!(said, format!("effect.gradient = \"{gradient}\""), "{effect} reads no normal of soft matter");
     }
+    assert_eq!(ignored("torus --effect woven --gradient three"), "", "cloth reads it");
     assert_eq!(ignored("torus --effect lit --set animation.loop=5"), "animation.loop = 5.0");
     let out = desk.good("render torus --module dmf=biased --set density_bias=0.7 --size 24x24 --samples 16");
     assert!(out.contains("dmf=biased") && !out.contains("ignored"), "a DMF makes a hard object soft: {out}");
