@@ -216,6 +216,9 @@ pub fn render_frames(
             "still      nothing in the scene moves with time: all frames are the same picture; --turntable turns it\n",
         );
     }
+    let keyed = scene.keyed_turn().filter(|_| sequence.turntable);
+    let line = |field: &str| format!("turntable  {field} is keyed: its motion replaces the turntable\n");
+    tell(&keyed.map_or(String::new(), line));
     tell(&loop_note(variant).map_or(String::new(), |note| format!("loop       {note}\n")));
     let mut manifest = Manifest::open(&manifest_path(output, shard), identity, restart)?;
     let stop = stop_flag()?;

@@ -191,6 +191,14 @@ impl Scene {
         Ok(Cow::Owned(moved))
     }
 
+    /// Keyed setting whose motion replaces that of a turntable, if any.
+    pub fn keyed_turn(&self) -> Option<&'static str> {
+        // A rotation replaces the azimuth, with its keyframes.
+        let is_read = |field: &&str| *field == "camera.rotation" || self.camera.rotation.is_none();
+        let mut fields = ["camera.rotation", "camera.azimuth"].into_iter().filter(is_read);
+        fields.find(|field| self.animation.tracks.contains_key(*field))
+    }
+
     /// Checks loop and tracks; the values of keyframes too.
     fn check_animation(&self) -> Result<(), SceneError> {
         let Animation { period, tracks } = &self.animation;

@@ -66,6 +66,22 @@ fn a_loop_ends_where_it_began() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_keyed_azimuth_replaces_a_turntable_with_a_line() {
+    let desk = Desk::new();
+    let rotated = "\n[camera]\nrotation = [0, 0, 0, 1]";
+    for (field, more, is_said) in [("azimuth", "", true), ("elevation", "", false), ("azimuth", rotated, false)] {
+        let keys = format!("camera.{field} = [{{ time = 0, value = 0 }}, {{ time = 1, value = 60 }}]");
+        desk.write("keyed.toml", format!("object.input = \"cube\"\n[animation]\n{keys}{more}\n"));
+        let said = desk
+            .good("render keyed.toml --size 16x16 --samples 16 --frames 0..2 --fps 2 --turntable --restart -o f_#.png");
+        let line = "turntable  camera.azimuth is keyed: its motion replaces the turntable";
+        assert_eq!(said.contains(line), is_said, "{keys}{more}: {said}");
+        assert!(is_said || pixels(&desk, "f_0.png") != pixels(&desk, "f_1.png"), "{keys}{more}: it does not turn");
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn all_frames_come_together_in_one_file() {
     let desk = Desk::new();
     let line =

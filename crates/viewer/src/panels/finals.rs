@@ -213,11 +213,9 @@ impl Finals {
             if touch.is_some() {
                 motion.turntable = Some(turns);
             }
-            let tracks = &model.scene().animation.tracks;
-            let mut keyed =
-                ["azimuth", "rotation"].into_iter().filter(|field| tracks.contains_key(&format!("camera.{field}")));
-            if let (true, Some(field)) = (turns, keyed.next()) {
-                let line = format!("{field} is keyed: its motion replaces the turntable");
+            if let (true, Some(field)) = (turns, model.scene().keyed_turn()) {
+                let line =
+                    format!("{} is keyed: its motion replaces the turntable", field.trim_start_matches("camera."));
                 ui.colored_label(ui.visuals().warn_fg_color, line);
             }
             let again = field("final.restart", "Render finished frames again; otherwise a stopped sequence continues.");
