@@ -37,11 +37,21 @@ pub struct Document<'a> {
     #[serde(default, deserialize_with = "list")]
     pub meshes: Vec<Mesh>,
     #[serde(default, deserialize_with = "list")]
+    pub materials: Vec<Material>,
+    #[serde(default, deserialize_with = "list")]
     pub accessors: Vec<Accessor>,
     #[serde(default, deserialize_with = "list")]
     pub buffer_views: Vec<View>,
     #[serde(borrow, default, deserialize_with = "list")]
     pub buffers: Vec<Buffer<'a>>,
+}
+
+impl Document<'_> {
+    /// Whether the material of a primitive cuts parts of it away.
+    pub fn is_masked(&self, primitive: &Primitive) -> bool {
+        let material = primitive.material.and_then(|index| self.materials.get(index as usize));
+        material.is_some_and(|material| material.alpha_mode.as_deref() == Some("MASK"))
+    }
 }
 
 #[derive(Deserialize)]
@@ -83,9 +93,17 @@ pub struct Primitive {
     pub attributes: Attributes,
     pub indices: Option<u32>,
     pub mode: Option<u32>,
+    material: Option<u32>,
     pub targets: Option<Vec<IgnoredAny>>,
     #[serde(default)]
     pub extensions: Extensions,
+}
+
+/// The part of a material that belongs to the geometry.
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Material {
+    alpha_mode: Option<String>,
 }
 
 #[derive(Deserialize)]

@@ -36,6 +36,8 @@ pub struct MeshPart {
     pub leftover_corners: usize,
     /// Number of primitives without vertices or indices.
     pub empty: usize,
+    /// Number of primitives with a material that cuts parts of them away.
+    pub masked: usize,
     /// Whether there are morph targets.
     pub morphs: bool,
 }
@@ -129,7 +131,10 @@ impl MeshPart {
             part.morphs |= primitive.targets.as_ref().is_some_and(|targets| !targets.is_empty());
             match primitive.mode.unwrap_or(4) {
                 0..=3 => part.points_and_lines += 1,
-                mode @ 4..=6 => part.add((data, materials), primitive, [mesh, index as u32, mode], declared, at)?,
+                mode @ 4..=6 => {
+                    part.masked += usize::from(data.document.is_masked(primitive));
+                    part.add((data, materials), primitive, [mesh, index as u32, mode], declared, at)?;
+                }
                 mode => return Err(malformed(data.source, at(".mode"), "0 to 6", mode)),
             }
         }

@@ -26,8 +26,8 @@ pub(crate) fn recognizes(start: &[u8], _len: u64) -> bool {
 /// Reads the triangles of the visible nodes of the default scene (else the first, else of all nodes).
 ///
 /// Cameras, lights and normals are skipped, and materials and textures unless they are asked for. Points, lines and primitives
-/// without positions are left out, and skins and morph targets are not applied, with notes. Compressed and instanced geometry
-/// is refused.
+/// without positions are left out, and skins, morph targets and cut-outs by alphaMode are not applied, with notes. Compressed
+/// and instanced geometry is refused.
 pub(crate) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     let (json, binary) = match source.peek()?.starts_with(b"glTF") {
         true => chunks(source)?,

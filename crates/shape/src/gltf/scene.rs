@@ -83,13 +83,13 @@ pub fn read(data: &Data, materials: Option<&Materials>) -> Result<SceneMesh, Sha
     let mut visits = Visits { source, document, nodes: Vec::new(), named: vec![false; document.nodes.len()] };
     visits.begin()?;
     let mut parts: Vec<Option<MeshPart>> = document.meshes.iter().map(|_| None).collect();
-    let (mut shown, mut declared, mut counts) = (Vec::new(), 0, [0; 8]);
+    let (mut shown, mut declared, mut counts) = (Vec::new(), 0, [0; 9]);
     let (mut triangles, mut positions) = (0, 0);
-    counts[7] = document.animations.len();
+    counts[8] = document.animations.len();
     while let Some((index, parent)) = visits.nodes.pop() {
         let node = &document.nodes[index as usize];
         if node.extensions.hides() {
-            counts[6] += 1;
+            counts[7] += 1;
             continue;
         }
         let world = parent * local(data, index, node)?;
@@ -115,6 +115,7 @@ pub fn read(data: &Data, materials: Option<&Materials>) -> Result<SceneMesh, Sha
             usize::from(node.skin.is_some()),
             usize::from(part.morphs),
             part.empty,
+            part.masked,
         ];
         counts.iter_mut().zip(left_out).for_each(|(count, more)| *count += more);
     }
@@ -125,6 +126,7 @@ pub fn read(data: &Data, materials: Option<&Materials>) -> Result<SceneMesh, Sha
         "skins are not applied, their meshes keep the pose in which they were bound",
         "morph targets are not applied, their meshes keep their base shape",
         "primitives without vertices or indices are left out",
+        "cut-outs by alphaMode MASK are not applied, their primitives stay whole",
         "hidden nodes are left out, with all below them",
         "animations are not played, nodes stand where they are at rest",
     ];

@@ -143,6 +143,21 @@ fn parts_that_draw_nothing_are_left_out() {
 }
 
 #[test]
+fn a_material_that_cuts_parts_away_is_noted() {
+    let with = |mode: &str| {
+        volume(|all| {
+            all["materials"] = json!([{}, { "alphaMode": mode }]);
+            all["meshes"][0]["primitives"][0]["material"] = json!(1);
+        })
+    };
+    assert_eq!(with("OPAQUE"), (1.0, String::new()));
+    assert_eq!(
+        with("MASK"),
+        (1.0, "cut-outs by alphaMode MASK are not applied, their primitives stay whole: 1".into())
+    );
+}
+
+#[test]
 fn json_may_end_in_zeros_and_lengths_may_be_unknown() {
     let mut json = document().to_string().into_bytes();
     json.resize(json.len().next_multiple_of(4) + 4, 0);
