@@ -66,9 +66,11 @@ pub enum GroomError {
 /// Fills a channel of a groom with an expression of the place `p`, which is `x`, `y` and `z` of object space.
 /// `program` is the executable of hypertexture, which compiles it in a child process.
 ///
+/// Values beyond the limits of the channel are cut to them. Returns the least and the greatest value where skin may be.
+///
 /// # Errors
 /// The expression is not one, or its value is somewhere not finite.
-pub fn fill_channel(program: &Path, groom: &mut Groom, channel: Channel, text: &str) -> Result<(), GroomError> {
+pub fn fill_channel(program: &Path, groom: &mut Groom, channel: Channel, text: &str) -> Result<[f64; 2], GroomError> {
     if text.contains([';', '{', '}', '#']) {
         return Err(GroomError::Statement(text.into()));
     }
@@ -102,13 +104,18 @@ pub fn fill_channel(program: &Path, groom: &mut Groom, channel: Channel, text: &
         Ok(bound.run::<f64>(&lanes)?.remove(&0).unwrap_or_default())
     };
     let values = indices.par_chunks(TOGETHER).map(of_batch).collect::<Result<Vec<_>, _>>()?.concat();
+    let mut found = [f64::INFINITY, f64::NEG_INFINITY];
     for (index, value) in values.iter().enumerate() {
         if let Some(value) = value.iter().find(|value| !value.is_finite()) {
             return Err(GroomError::NotFinite { value: *value, place: groom.place(index).to_array() });
         }
         let mut voxel = groom.at(index);
         voxel[first..][..count].iter_mut().zip(value).for_each(|(own, value)| *own = *value as f32);
+        if groom.may_hold_skin(index) {
+            found =
+                value[..count].iter().fold(found, |[least, greatest], value| [least.min(*value), greatest.max(*value)]);
+        }
         groom.set(index, voxel);
     }
-    Ok(())
+    Ok(found)
 }

@@ -8,8 +8,8 @@ use hypertexture::glam::Vec3;
 use hypertexture::output;
 use hypertexture::render::{Channel, Subject, fill_channel};
 use hypertexture::scene::Scene;
-use hypertexture::shape::{self, Groom, Shape};
-use hypertexture_support::write_whole_by;
+use hypertexture::shape::{Groom, Opened, Shape};
+use hypertexture_support::{significant, write_whole_by};
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
@@ -66,10 +66,10 @@ pub(super) fn run(command: &GroomArguments, quiet: bool) -> Result<(), Box<dyn E
     };
     let (program, texts) =
         (std::env::current_exe()?, [&command.length, &command.density, &command.color, &command.direction]);
-    let mut subject = None;
+    let (mut subject, mut notes) = (None, Vec::new());
     for (channel, text) in Channel::ALL.into_iter().zip(texts) {
         let Some(text) = text else { continue };
-        if Path::new(text).is_file() {
+        let found = if Path::new(text).is_file() {
             let subject = match &subject {
                 Some(subject) => subject,
                 None => {
@@ -79,11 +79,14 @@ pub(super) fn run(command: &GroomArguments, quiet: bool) -> Result<(), Box<dyn E
                     subject.insert(with_progress(quiet, "distance field", load)?)
                 }
             };
-            fill_from_file(&mut groom, channel, text, subject, &scene)?;
-            continue;
-        }
-        fill_channel(&program, &mut groom, channel, text).map_err(|error| format!("--{}: {error}", channel.name()))?;
+            fill_from_file(&mut groom, channel, text, subject, &scene)?
+        } else {
+            fill_channel(&program, &mut groom, channel, text)
+                .map_err(|error| format!("--{}: {error}", channel.name()))?
+        };
+        notes.extend(cut(channel, found));
     }
+    notes.extend(groom.beyond());
     write_whole_by(path, |file| groom.write(file))
         .map_err(|error| format!("{}: {error}; nothing was written", path.display()))?;
     if !quiet {
@@ -92,27 +95,42 @@ pub(super) fn run(command: &GroomArguments, quiet: bool) -> Result<(), Box<dyn E
         say(&format!(
             "groom {side} x {side} x {side} voxels, {} % of them painted\n{}wrote {}\n",
             100 * painted / all,
-            groom.beyond().map_or(String::new(), |line| format!("note       {line}\n")),
+            notes.iter().map(|line| format!("note       {line}\n")).collect::<String>(),
             absolute(path)
         ));
     }
     Ok(())
 }
 
+/// A line about values of a channel that were cut to its limits, if any. `found` has the least and the greatest value.
+fn cut(channel: Channel, found: [f64; 2]) -> Option<String> {
+    let [least, greatest] = Groom::limits(channel.place().0);
+    let over = (found[1] as f32 > greatest).then_some((found[1], greatest));
+    let under = ((found[0] as f32) < least).then_some((found[0], least));
+    let cut = |(value, limit): (f64, f32)| format!("{} is cut to the limit {limit}", significant(value, 4));
+    let cuts: Vec<String> = over.into_iter().chain(under).map(cut).collect();
+    (!cuts.is_empty()).then(|| format!("--{}: {}", channel.name(), cuts.join(", ")))
+}
+
 /// Voxels around painted points that get their color: more than filters read.
 const GROWN: u32 = 4;
 
 /// Fills a channel from a file in the axes and units of the object: length and density from a volume, color from a mesh.
+/// Returns the least and the greatest value where skin may be.
 fn fill_from_file(
     groom: &mut Groom,
     channel: Channel,
     file: &str,
     subject: &Subject,
     scene: &Scene,
-) -> Result<(), Box<dyn Error>> {
-    let (up, flag) = (scene.object.up, channel.name());
-    let shape = if channel == Channel::Color { shape::open_painted(file)? } else { shape::open(file)? };
-    match (channel, shape) {
+) -> Result<[f64; 2], Box<dyn Error>> {
+    let (up, flag, (first, _)) = (scene.object.up, channel.name(), channel.place());
+    let mut opened = if channel == Channel::Color { Opened::with_paint(file, None)? } else { Opened::of(file)? };
+    if file == scene.object.input && !opened.notes.is_empty() {
+        let said = Opened::of(file)?.notes;
+        opened.notes.retain(|note| !said.contains(note));
+    }
+    match (channel, opened.warned(file)) {
         (Channel::Color, Shape::Mesh(mesh)) if mesh.is_colored() => {
             let moved = mesh.offset - subject.offset;
             let place = |p: Vec3| (up.turned(p.as_dvec3() + moved).as_vec3() - subject.center) * subject.scale;
@@ -120,21 +138,24 @@ fn fill_from_file(
             let spacing = if mesh.paint.is_textured() { 0.25 } else { 0.5 } * groom.step() / subject.scale;
             let points = mesh.colored_points(spacing).map(|(point, color)| (place(point), color));
             groom.color(points, GROWN);
-            Ok(())
+            Ok(Groom::limits(first).map(f64::from))
         }
         (Channel::Color, _) => {
             Err(format!("--{flag} {file}: it is no mesh with colors of its vertices or materials").into())
         }
         (Channel::Length | Channel::Density, Shape::Volume(volume)) => {
-            let (first, _) = channel.place();
+            let mut found = [f64::INFINITY, f64::NEG_INFINITY];
             for index in 0..groom.voxels() {
                 let place = subject.center + groom.place(index) / subject.scale;
                 let mut voxel = groom.at(index);
-                voxel[first] =
-                    volume.sample(up.turned_back(place.as_dvec3()).as_vec3()).unwrap_or(Groom::NEUTRAL[first]);
+                let value = volume.sample(up.turned_back(place.as_dvec3()).as_vec3());
+                voxel[first] = value.unwrap_or(Groom::NEUTRAL[first]);
+                if groom.may_hold_skin(index) {
+                    found = [found[0].min(voxel[first].into()), found[1].max(voxel[first].into())];
+                }
                 groom.set(index, voxel);
             }
-            Ok(())
+            Ok(found)
         }
         _ => Err(format!("--{flag} {file}: it is no volume; write an expression, or name a volume").into()),
     }

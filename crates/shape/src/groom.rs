@@ -84,12 +84,22 @@ impl Groom {
         self.voxels[index].map(f16::to_f32)
     }
 
-    /// Sets the channels of a voxel, within their ranges: 0 to 2, and -1 to 1 of the direction.
+    /// Least and greatest value of a channel: 0 and 2, or -1 and 1 of the direction.
+    pub fn limits(channel: usize) -> [f32; 2] {
+        if channel < 5 { [0.0, 2.0] } else { [-1.0, 1.0] }
+    }
+
+    /// Sets the channels of a voxel, within their limits.
     pub fn set(&mut self, index: usize, channels: [f32; 8]) {
         for (channel, (stored, value)) in self.voxels[index].iter_mut().zip(channels).enumerate() {
-            *stored =
-                f16::from_f32(value.clamp(if channel < 5 { 0.0 } else { -1.0 }, if channel < 5 { 2.0 } else { 1.0 }));
+            let [least, greatest] = Groom::limits(channel);
+            *stored = f16::from_f32(value.clamp(least, greatest));
         }
+    }
+
+    /// Whether the skin of an object, which reaches to 1, may be at a voxel.
+    pub fn may_hold_skin(&self, index: usize) -> bool {
+        self.place(index).abs().max_element() <= 1.0
     }
 
     /// A line about lengths above 1, if it has any.

@@ -9,6 +9,7 @@ mod desk;
 #[allow(dead_code, reason = "written for the tests of the format")]
 #[path = "../../../shape/tests/shape/dicom/files.rs"]
 mod dicom;
+mod grooms;
 mod guard;
 mod json;
 mod kills;

@@ -1,0 +1,32 @@
+//! Grooms: the lines of `groom` on what it paints.
+
+use super::desk::{Desk, text};
+
+/// A tetrahedron with a color of bytes at each vertex.
+const CODES: &str = "v 0 0 0 255 0 0\nv 1 0 0 0 255 0\nv 0 1 0 0 0 255\nv 0 0 1 255 255 255
+f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+
+#[test]
+fn values_beyond_the_limits_of_a_channel_are_told() {
+    let desk = Desk::new();
+    for (arguments, line) in [
+        ("--length 5", "note       --length: 5 is cut to the limit 2\n"),
+        ("--direction vec3(-3.0,0.0,2.5)", "--direction: 2.5 is cut to the limit 1, -3 is cut to the limit -1\n"),
+        ("--density 1.0+p.x", ""), // beyond 2 only where no skin is
+    ] {
+        let said = desk.good(&format!("groom torus --side 32 {arguments}"));
+        assert!(said.contains(line) && said.contains("is cut") != line.is_empty(), "{arguments}: {said}");
+    }
+}
+
+#[test]
+fn notes_on_a_file_that_is_object_and_color_are_said_once() {
+    let desk = Desk::new();
+    desk.write("codes.obj", CODES);
+    for object in ["codes.obj", "torus"] {
+        let output = desk.run(&format!("groom {object} --side 32 --color codes.obj"));
+        let said = text(&output.stderr);
+        assert!(output.status.success(), "{said}");
+        assert_eq!(said.matches("read as codes of 0 to 255").count(), 1, "{object}: {said}");
+    }
+}
