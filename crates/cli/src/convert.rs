@@ -77,7 +77,9 @@ pub(super) fn run(command: &Convert, quiet: bool) -> Result<(), Box<dyn Error>> 
         (Shape::Volume(volume), Some(format), _) => {
             format.write(volume, &mut bytes)?;
             let (low, high) = volume.range();
-            format!("volume     {}, values {low} to {high}", volume.size.map(|n| n.to_string()).join(" x "))
+            let place = format.lost_place(volume.origin, volume.steps);
+            let place = place.map_or(String::new(), |place| format!("\nplace      {place}"));
+            format!("volume     {}, values {low} to {high}{place}", volume.size.map(|n| n.to_string()).join(" x "))
         }
         (Shape::Mesh(mesh), _, Some(format)) => {
             let colors = mesh.vertex_colors();

@@ -50,8 +50,8 @@ pub(super) fn run(command: &Field, quiet: bool) -> Result<(), Box<dyn Error>> {
         with_progress(quiet, "distance field", |progress| field::load_or_compute(&shape, &request, false, progress))?;
     let field = field.turned(object.up.turn());
     let (grid, (low, high)) = (field.grid, field.range());
-    let mut bytes = Vec::new();
-    format.write(&field.into_volume(), &mut bytes)?;
+    let (volume, mut bytes) = (field.into_volume(), Vec::new());
+    format.write(&volume, &mut bytes)?;
     write_whole(&command.output, &bytes)
         .map_err(|error| format!("{}: {error}; nothing was written", command.output.display()))?;
     if !quiet {
@@ -64,9 +64,11 @@ pub(super) fn run(command: &Field, quiet: bool) -> Result<(), Box<dyn Error>> {
         if low >= 0.0 {
             say(&format!("inside     no sample: {}\n", without_inside(&shape)));
         }
+        let place = format.lost_place(volume.origin, volume.steps);
+        let place = place.map_or(String::new(), |place| format!("place      {place}\n"));
         let [low, high, band] = [low, high, request.band].map(|length| significant(length.into(), 5));
         say(&format!(
-            "field      {x} x {y} x {z}, spacing {:?}, distances {low} to {high} world units\n\
+            "field      {x} x {y} x {z}, spacing {:?}, distances {low} to {high} world units\n{place}\
              exact      within {band} of the surface; a lower bound beyond\n\
              surface    {} triangles, {} open edges, {} closing; {:.0} ms\nwrote {}\n",
             grid.spacing.to_array(),

@@ -4,7 +4,7 @@ use super::scene_arguments::{ObjectFlags, SceneArguments, files_read};
 use super::sequence::{FrameObject, Times};
 use super::{absolute, say, say_json, with_device, with_progress};
 use clap::Args;
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, Mat3};
 use hypertexture::gpu::{Gpu, Options};
 use hypertexture::output::{self, PROGRAM};
 use hypertexture::render::variant::Variant;
@@ -157,13 +157,15 @@ impl Maker<'_> {
         let media = lit_media(self.library, &variant);
         if !quiet {
             let [x, y, z] = plan.size;
+            let place = self.format.lost_place(plan.origin.as_vec3(), steps(&plan));
+            let place = place.map_or(String::new(), |place| format!("place      {place}\n"));
             say(&format!(
                 "volume     {x} x {y} x {z} voxels of {} world units; {leaves} leaves of 8 x 8 x 8 hold matter\n\
                  grids      {}: {floats}{}\n\
                  error      {}\n\
                  extinction {}\n\
                  color      {}\n\
-                 axes       {}\n\
+                 axes       {}\n{place}\
                  time       {:.1} s on the device for {evaluated} voxels, {seconds:.1} s in all\nwrote {}\n",
                 significant(plan.step, 3),
                 grids.names.join(", "),
@@ -236,12 +238,16 @@ impl Maker<'_> {
             }
             Ok(())
         })?;
-        let steps = DMat3::from_diagonal(DVec3::splat(plan.step)).as_mat3();
         let (origin, content) = (plan.origin.as_vec3(), shape::Content::Scalar);
-        let volume = shape::Volume { size: plan.size, origin, steps, values, content };
+        let volume = shape::Volume { size: plan.size, origin, steps: steps(plan), values, content };
         write_whole_by(path, |file| self.format.write(&volume, file)).map_err(|error| unwritten(path, error))?;
         Ok((report, Content { names: vec!["density"], color: None }))
     }
+}
+
+/// Steps between the voxels of a plan.
+fn steps(plan: &VoxelPlan) -> Mat3 {
+    DMat3::from_diagonal(DVec3::splat(plan.step)).as_mat3()
 }
 
 fn error_line(fit: &VoxelFit) -> String {

@@ -7,6 +7,7 @@ use super::space::{Space, listed};
 use super::write_values::{LEVEL, check, write_values};
 use super::{Content, Volume, meta, nrrd, vdb, write_nifti};
 use flate2::write::{GzEncoder, ZlibEncoder};
+use glam::{Mat3, Vec3};
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -42,6 +43,20 @@ impl VolumeFormat {
     pub fn from_path(path: &Path) -> Option<VolumeFormat> {
         let name = path.file_name()?.to_str()?.to_ascii_lowercase();
         VolumeFormat::ENDS.iter().find(|(_, end)| name.ends_with(end)).map(|(format, _)| *format)
+    }
+
+    /// The place of a volume in words, if the format does not keep it: its first sample and its steps.
+    pub fn lost_place(self, origin: Vec3, steps: Mat3) -> Option<String> {
+        let is_lost = self == VolumeFormat::Npy && (origin, steps) != (Vec3::ZERO, Mat3::IDENTITY);
+        is_lost.then(|| {
+            let [x, y, z] = steps.to_cols_array_2d();
+            let spacing = [x[0], y[1], z[2]];
+            let steps = match steps == Mat3::from_diagonal(spacing.into()) {
+                true => format!("spacing {spacing:?}"),
+                false => format!("steps {x:?}, {y:?}, {z:?}"),
+            };
+            format!("not in the file: origin {:?}, {steps}, world units", origin.to_array())
+        })
     }
 
     /// Writes a volume. [`open`](super::open) reads it back bit for bit, except from [`VolumeFormat::Npy`], if the values are

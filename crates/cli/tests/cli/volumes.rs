@@ -192,7 +192,8 @@ fn dense_formats_hold_the_same_density() {
     let folder = folder.path();
     fs::write(folder.join("ball.toml"), BALL).unwrap();
     for end in ["nrrd", "npy"] {
-        good(folder, &format!("volume ball.toml --grid 24 -o d.{end}"));
+        let said = good(folder, &format!("volume ball.toml --grid 24 -o d.{end}"));
+        assert_eq!(said.contains("\nplace      not in the file: origin ["), end == "npy", "{said}");
     }
     let about: Value = serde_json::from_str(&good(folder, "info d.nrrd --json")).unwrap();
     assert!(about.to_string().contains("[24,24,24]"), "{about}");
@@ -206,6 +207,21 @@ fn dense_formats_hold_the_same_density() {
     assert_eq!((value([11, 11, 12]), value([0, 12, 12])), (1.0, 0.0));
     let radius = (2.7_f32 / 21.0) * (6.5_f32 * 6.5 + 0.5).sqrt();
     assert!((value([18, 12, 11]) - (1.35 - radius) / 0.6).abs() < 1e-5);
+}
+
+#[test]
+fn an_array_of_numpy_lacks_its_place_with_a_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::write(folder.join("v.raw"), "abcdefgh").unwrap();
+    let spaced = "convert v.raw --dims 2,2,2 --type uint8 --spacing 0.5,0.5,2";
+    let own = "\nplace      not in the file: origin [0.0, 0.0, 0.0], spacing [0.5, 0.5, 2.0], world units\n";
+    assert!(good(folder, &format!("{spaced} -o a.npy")).contains(own));
+    assert!(good(folder, "field torus --resolution 32 -o c.npy").contains("\nplace      not in the file: origin ["));
+    for arguments in [format!("{spaced} -o a.nrrd"), "convert v.raw --dims 2,2,2 --type uint8 -o b.npy".into()] {
+        let said = good(folder, &arguments);
+        assert!(!said.contains("place "), "{arguments}: {said}");
+    }
 }
 
 #[test]
