@@ -117,8 +117,26 @@ impl Sequence {
 /// File of a frame. Its number replaces the last run of `#` in the name, with at least as many digits; without a `#` it
 /// precedes the extension with at least 4 digits.
 pub fn frame_path(output: &Path, frame: u32) -> PathBuf {
+    let (before, digits, after) = parts(output);
+    output.with_file_name(format!("{before}{frame:0digits$}{after}"))
+}
+
+/// A line about files of frames whose names do not sort by their number, if there are any.
+pub fn unsorted(output: &Path, Frames { first, last }: Frames) -> Option<String> {
+    let (before, digits, after) = parts(output);
+    let [shortest, longest] = [first, last].map(|frame| frame.to_string().len().max(digits));
+    (shortest < longest).then(|| {
+        let hashes = "#".repeat(longest);
+        format!(
+            "{before}{first:0digits$}{after} to {before}{last:0digits$}{after} do not sort by their number; {before}{hashes}{after} does"
+        )
+    })
+}
+
+/// The name of a file of a frame: the part before its number, the fewest digits of that, and the part after it.
+fn parts(output: &Path) -> (String, usize, String) {
     let name = output.file_name().unwrap_or_default().to_string_lossy();
-    let (before, digits, after) = match name.rfind('#') {
+    match name.rfind('#') {
         Some(end) => {
             let before = name[..=end].trim_end_matches('#');
             (before.to_string(), end + 1 - before.len(), name[end + 1..].to_string())
@@ -127,8 +145,7 @@ pub fn frame_path(output: &Path, frame: u32) -> PathBuf {
             let stem = output.file_stem().unwrap_or_default().to_string_lossy();
             (format!("{stem}_"), DIGITS, name[stem.len()..].to_string())
         }
-    };
-    output.with_file_name(format!("{before}{frame:0digits$}{after}"))
+    }
 }
 
 /// File of the manifest of the frames `output`, or of one shard of them: beside the frames and named after them.
@@ -231,6 +248,19 @@ mod tests {
         assert_eq!(name("d#/fire.png", 12345), "d#/fire_12345.png");
         assert_eq!(name("fire.png", 0), "fire_0000.png");
         assert_eq!(manifest_path(Path::new("f/a_##.png"), Shard::new(1, 3)), Path::new("f/a_.png.shard-1-of-3.frames"));
+    }
+
+    #[test]
+    fn names_with_numbers_of_different_lengths_are_told() {
+        let told = |pattern: &str, first, last| unsorted(Path::new(pattern), Frames { first, last });
+        let line = "over_8.png to over_11.png do not sort by their number; over_##.png does";
+        assert_eq!(told("f/over_#.png", 8, 11).as_deref(), Some(line));
+        let line = "a_9999.png to a_10000.png do not sort by their number; a_#####.png does";
+        assert_eq!(told("a.png", 9999, 10000).as_deref(), Some(line));
+        for (pattern, first, last) in [("a_#.png", 0, 9), ("a_#.png", 10, 99), ("a_##.png", 0, 99), ("a.png", 0, 9999)]
+        {
+            assert_eq!(told(pattern, first, last), None, "{pattern}");
+        }
     }
 
     #[test]

@@ -4,7 +4,7 @@ use super::picture::Picture;
 use super::{absolute, with_progress};
 use clap::Args;
 use hypertexture::gpu::ending;
-use hypertexture::output::sequence::{Frames, Manifest, Sequence, frame_path, manifest_path};
+use hypertexture::output::sequence::{Frames, Manifest, Sequence, frame_path, manifest_path, unsorted};
 use hypertexture::output::shard::{Shard, ShardError};
 use hypertexture::output::{Animated, Provenance, Sheet, identity, write};
 use hypertexture::render::variant::Variant;
@@ -75,6 +75,7 @@ impl Times {
         let Some(sequence) = self.sequence(false)? else {
             return Ok(vec![(scene.moment()?.into_owned(), output.to_path_buf())]);
         };
+        warn_of_order(output, &sequence);
         let frames = frames_of(output, &sequence, None)?.into_iter();
         frames.map(|(frame, path)| Ok((sequence.scene(scene, frame).moment()?.into_owned(), path))).collect()
     }
@@ -194,6 +195,11 @@ pub(super) fn frames_of(
     Ok((first..=last).filter(own).map(|frame| (frame, frame_path(output, frame))).collect())
 }
 
+/// Warns of names that do not sort by their number.
+fn warn_of_order(output: &Path, sequence: &Sequence) {
+    unsorted(output, sequence.frames).into_iter().for_each(|line| ::log::warn!("--output: {line}"));
+}
+
 /// Renders the frames of a sequence of `scene` or of its shard. Result: a summary as JSON.
 pub fn render_frames(
     picture: &Picture<'_>,
@@ -204,6 +210,7 @@ pub fn render_frames(
 ) -> Result<Value, Box<dyn Error>> {
     let Picture { gpu, library, variant, subject, output, depth, quiet, tell, .. } = *picture;
     let frames = frames_of(output, sequence, shard)?;
+    warn_of_order(output, sequence);
     let identity = sequence.identity(identity(variant, library, subject)?, &scene.animation, depth);
     let Frames { first, last } = sequence.frames;
     let some = (first..=last).step_by(((last - first) / MOST_TRIED + 1) as usize).chain([last]);

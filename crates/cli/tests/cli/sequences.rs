@@ -73,6 +73,20 @@ fn frames_of_what_does_not_move_are_said_to_be_equal() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn frames_that_do_not_sort_by_number_are_told_in_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let desk = folder.path();
+    for (pattern, lines) in [("f_#.png", 1), ("f_##.png", 0)] {
+        let output = run(desk, &format!("render cube --size 16x16 --samples 16 --frames 9..10 -o {pattern}"));
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success(), "{said}");
+        assert_eq!(said.matches("f_9.png to f_10.png do not sort by their number; f_##.png does").count(), lines);
+        assert!(desk.join(pattern.replace("##", "#").replace('#', "10")).is_file());
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn a_frame_is_the_picture_of_its_time_and_azimuth() {
     let folder = tempfile::tempdir().unwrap();
     let desk = folder.path();
