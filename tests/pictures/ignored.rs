@@ -6,6 +6,7 @@ use hypertexture::gpu::Gpu;
 use hypertexture::render::{unused_overrides, unused_settings};
 use hypertexture::scene::{Pass, Scene, preset};
 use hypertexture::shader;
+use hypertexture::shape::Groom;
 use std::path::Path;
 
 /// The device that made the goldens.
@@ -224,6 +225,36 @@ fn what_is_ignored_in_glass_and_in_sums_of_noise() {
         assert!(!said(&glass, "quality.samples", "30") && !said(&glass, "effect.environment", "none"));
         let fractal = scene("fractal_sphere", "sphere", |_| ());
         assert!(!said(&fractal, "effect.octaves", "1") && said(&fractal, "effect.turbulence", "procedural"));
+    });
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_groom_is_ignored_where_nothing_that_is_read_is_painted() {
+    let (library, folder) = (shader::shipped(), tempfile::tempdir().unwrap());
+    let painted = |name: &str, voxel: [f32; 8]| {
+        let mut groom = Groom::unpainted("torus", 32);
+        (0..groom.voxels()).for_each(|index| groom.set(index, voxel));
+        let (path, mut bytes) = (folder.path().join(name), Vec::new());
+        groom.write(&mut bytes).unwrap();
+        std::fs::write(&path, bytes).unwrap();
+        Some(path.display().to_string())
+    };
+    let bald = painted("bald.nrrd", [0.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
+    let red = painted("red.nrrd", [1.0, 1.0, 2.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    with_gpu(|gpu| {
+        for (effect, before, after, is_same) in [
+            ("lit", &None, &bald, true),
+            ("lit", &None, &red, false),
+            ("lit", &red, &bald, false),
+            ("fur", &None, &bald, false),
+        ] {
+            let [base, set] = [before, after].map(|groom| scene(effect, "torus", |s| s.groom.clone_from(groom)));
+            let [old, new] = [&base, &set].map(|scene| subject(scene, &library));
+            let same = picture(gpu, &library, &base, &old).pixels == picture(gpu, &library, &set, &new).pixels;
+            let said = !unused_overrides(&library, &new, &base, &set).is_empty();
+            assert_eq!((said, same), (is_same, is_same), "{effect}: {before:?} to {after:?}");
+        }
     });
 }
 

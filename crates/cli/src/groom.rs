@@ -86,7 +86,7 @@ pub(super) fn run(command: &GroomArguments, quiet: bool) -> Result<(), Box<dyn E
         };
         notes.extend(cut(channel, found));
     }
-    notes.extend(groom.beyond());
+    notes.extend(groom.odd_lengths());
     write_whole_by(path, |file| groom.write(file))
         .map_err(|error| format!("{}: {error}; nothing was written", path.display()))?;
     if !quiet {

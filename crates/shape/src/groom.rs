@@ -102,9 +102,17 @@ impl Groom {
         self.place(index).abs().max_element() <= 1.0
     }
 
-    /// A line about lengths above 1, if it has any.
-    pub fn beyond(&self) -> Option<String> {
-        let longest = self.voxels.iter().map(|voxel| voxel[0].to_f32()).fold(1.0, f32::max);
+    /// Whether a color or a density is painted.
+    pub fn has_look(&self) -> bool {
+        self.voxels.iter().any(|voxel| voxel[1..5].iter().any(|value| *value != f16::ONE))
+    }
+
+    /// A line about lengths above 1, or of 0 everywhere, if it has such.
+    pub fn odd_lengths(&self) -> Option<String> {
+        let longest = self.voxels.iter().map(|voxel| voxel[0].to_f32()).fold(0.0, f32::max);
+        if longest == 0.0 {
+            return Some("lengths are 0 everywhere: there is no hair and no flame".into());
+        }
         (longest > 1.0).then(|| {
             format!(
                 "lengths reach {longest}, and hair ends with the soft region, at 1; for longer hair, multiply the length of the \

@@ -14,7 +14,7 @@ use crate::render::inputs::{Filter, StoredObjects, blocks, image_key};
 use crate::render::subject::{Recipe, Subject, SubjectRequest, opened};
 use crate::render::variant::{Checkable, OCTAVES_ID, Program, Purpose, Variant, bindings};
 use crate::scene::schema::{Kind, SETTINGS, Setting, setting};
-use crate::scene::{Object, Order, Pass, Quality, Scene};
+use crate::scene::{self, Object, Order, Pass, Quality, Scene};
 use crate::shader::{Library, Linker};
 use crate::shape::Shape;
 use blake3::{Hash, Hasher};
@@ -47,6 +47,8 @@ pub fn unused_overrides(library: &Library, subject: &Subject, base: &Scene, scen
     if set.is_empty() {
         return Vec::new();
     }
+    comparer.plain_groom =
+        scene.groom.clone().filter(|_| subject.groom.as_ref().is_some_and(|groom| !groom.has_look()));
     let Ok(own) = comparer.fingerprint(&variant) else { return Vec::new() };
     let changes_nothing = |(name, _): &&(String, String)| {
         let mut without = scene.clone();
@@ -137,6 +139,8 @@ fn others(library: &Library, setting: &Setting, value: &str) -> Vec<String> {
 struct PictureComparer<'a> {
     library: &'a Library,
     subject: &'a Subject,
+    /// The groom of the scene, if its colors and densities are not painted.
+    plain_groom: Option<String>,
     programs: HashMap<(String, u32), Rc<Read>>,
     /// By all that determines a shape: its input, its grid, and whether its values are distances.
     shapes: HashMap<(String, Option<String>, bool), Rc<Shape>>,
@@ -150,7 +154,7 @@ struct Read {
 
 impl<'a> PictureComparer<'a> {
     fn new(library: &'a Library, subject: &'a Subject) -> PictureComparer<'a> {
-        PictureComparer { library, subject, programs: HashMap::new(), shapes: HashMap::new() }
+        PictureComparer { library, subject, plain_groom: None, programs: HashMap::new(), shapes: HashMap::new() }
     }
 
     /// Whether another scene has an equal picture; `own` is the fingerprint of the first. Undecidable pictures differ.
@@ -197,9 +201,27 @@ impl<'a> PictureComparer<'a> {
         Ok((shape, recipe))
     }
 
+    /// The variant without a plain groom, if its program reads colors and densities alone: they are factors of 1.
+    fn without_plain_groom(&mut self, variant: &Variant) -> Result<Variant, RenderError> {
+        let scene = &variant.scene;
+        // Weights of the shader need not have the sum 1.
+        let is_exact = scene.quality.filter == scene::Filter::Exact;
+        if scene.groom.is_none() || scene.groom != self.plain_groom || is_exact {
+            return Ok(variant.clone());
+        }
+        let read = self.read(variant)?;
+        let images = read.fingerprint.iter().flat_map(|(_, own)| &own.images);
+        let images: Vec<u32> = images.map(|(image, _)| *image).collect();
+        let reads = |name: &str| read.program.binding(name).is_some_and(|own| images.contains(&own));
+        match reads(bindings::GROOM_LOOK) && !reads(bindings::GROOM_SHAPE) {
+            true => Ok(Variant::of(&Scene { groom: None, ..scene.clone() }, self.library)?),
+            false => Ok(variant.clone()),
+        }
+    }
+
     /// Hash of all that the pictures of a scene are computed from.
     fn fingerprint(&mut self, variant: &Variant) -> Result<Hash, RenderError> {
-        let mut variant = variant.clone();
+        let mut variant = self.without_plain_groom(variant)?;
         if variant.module("classify").is_some_and(|module| module.starts_with("surface")) {
             // Of opaque matter only the nearest sample is seen, in any order.
             (variant.scene.quality.order, variant.scene.quality.early_termination) = (Order::default(), 0.0);

@@ -235,7 +235,7 @@ fn groom(file: &str, object: &str) -> Result<Arc<Groom>, RenderError> {
     if name(&groom.object) != name(object) {
         log::warn!("groom {file}: it was painted on {}; it is read at the same places of {object}", groom.object);
     }
-    if let Some(line) = groom.beyond() {
+    if let Some(line) = groom.odd_lengths() {
         log::warn!("groom {file}: {line}");
     }
     Ok(Arc::new(groom))

@@ -10,7 +10,8 @@ f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
 fn values_beyond_the_limits_of_a_channel_are_told() {
     let desk = Desk::new();
     for (arguments, line) in [
-        ("--length 5", "note       --length: 5 is cut to the limit 2\n"),
+        ("--length 5", "note       --length: 5 is cut to the limit 2\nnote       lengths reach 2, and hair ends"),
+        ("--length -1.0", "--length: -1 is cut to the limit 0\nnote       lengths are 0 everywhere: there is no hair"),
         ("--direction vec3(-3.0,0.0,2.5)", "--direction: 2.5 is cut to the limit 1, -3 is cut to the limit -1\n"),
         ("--density 1.0+p.x", ""), // beyond 2 only where no skin is
     ] {
