@@ -1,11 +1,12 @@
-//! `info`: the contents of a mesh or a volume.
+//! `info`: the contents of a mesh, a volume or a groom.
 
 use super::{say, say_json};
 use clap::Args;
-use hypertexture::shape::{Facts, Histogram};
+use hypertexture::shape::{Facts, Groom, Histogram};
 use hypertexture_support::{quoted, significant, words};
 use serde_json::json;
 use std::error::Error;
+use std::path::Path;
 
 /// Rows of the histogram.
 const ROWS: usize = 16;
@@ -15,7 +16,7 @@ const BAR: f64 = 40.0;
 /// Arguments of `info`.
 #[derive(Args)]
 pub struct Info {
-    /// A mesh, a volume or a built-in object.
+    /// A mesh, a volume, a groom or a built-in object.
     pub input: String,
     /// The grid of an OpenVDB file with several.
     #[arg(long, value_name = "NAME")]
@@ -27,7 +28,13 @@ pub struct Info {
 
 /// Reads and describes a file.
 pub(super) fn run(command: &Info) -> Result<(), Box<dyn Error>> {
-    let facts = Facts::of(&command.input, command.grid.as_deref())?;
+    let found = Facts::of(&command.input, command.grid.as_deref());
+    // A groom is a NRRD that is no volume.
+    let groom = if found.is_err() { Groom::read(Path::new(&command.input)).ok() } else { None };
+    let facts = match &groom {
+        Some(groom) => Facts::of_groom(groom),
+        None => found?,
+    };
     if command.json {
         let mut all = json!({ "file": command.input });
         for fact in &facts.lines {
@@ -52,11 +59,15 @@ pub(super) fn run(command: &Info) -> Result<(), Box<dyn Error>> {
         Some(iso) => format!(" --iso {iso}"),
         None => String::new(),
     };
-    let grid = command.grid.as_ref().map_or(String::new(), |grid| format!(" --grid {}", quoted(grid)));
+    let (input, part) = match (&groom, &command.grid) {
+        (Some(groom), _) => (&groom.object, format!(" --effect fur --groom {}", quoted(&command.input))),
+        (None, Some(grid)) => (&command.input, format!(" --grid {}", quoted(grid))),
+        (None, None) => (&command.input, String::new()),
+    };
     text += &format!(
         "picture    hypertexture render {} -o picture.png{flag}{}\n",
-        words::line(&quoted(&command.input)),
-        words::line(&grid)
+        words::line(&quoted(input)),
+        words::line(&part)
     );
     say(&text);
     Ok(())

@@ -2,7 +2,7 @@
 //!
 //! Invariant: depends on the file alone, not on the settings of a scene.
 
-use super::{Content, Histogram, Mesh, Opened, Shape, ShapeError, Solid, Volume};
+use super::{Content, Groom, Histogram, Mesh, Opened, Shape, ShapeError, Solid, Volume};
 use glam::{DVec3, Vec3};
 use hypertexture_support::significant;
 use serde::Serialize;
@@ -68,6 +68,31 @@ impl Facts {
             facts.corners.map(|corner| corner.to_array()),
         ));
         Ok(facts)
+    }
+
+    /// Describes what is painted in a groom.
+    pub fn of_groom(groom: &Groom) -> Facts {
+        let (side, all) = (groom.side(), groom.voxels());
+        let painted = (0..all).filter(|index| groom.at(*index) != Groom::NEUTRAL).count();
+        let mut ends = [[f32::INFINITY, f32::NEG_INFINITY]; 4];
+        for index in 0..all {
+            for (channel, value) in groom.at(index).into_iter().enumerate() {
+                let own = &mut ends[[0, 1, 2, 2, 2, 3, 3, 3][channel]];
+                *own = [own[0].min(value), own[1].max(value)];
+            }
+        }
+        let mut lines = vec![
+            fact("kind", "a groom: what is painted on an object", "groom"),
+            fact("object", groom.object.clone(), &groom.object),
+            fact("voxels", format!("{side} x {side} x {side}"), [side; 3]),
+            fact("painted", format!("{} % of the voxels", 100 * painted / all), painted as f64 / all as f64),
+        ];
+        let channels = ["length", "density", "color", "direction"].into_iter().zip(ends);
+        lines.extend(channels.map(|(name, [low, high])| {
+            fact(name, format!("{} to {}", short(low.into()), short(high.into())), [low, high])
+        }));
+        lines.extend(groom.odd_lengths().map(|note| fact("notes", note.clone(), [note])));
+        Facts { lines, ..Facts::default() }
     }
 }
 

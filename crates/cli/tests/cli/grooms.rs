@@ -1,6 +1,7 @@
-//! Grooms: the lines of `groom` on what it paints.
+//! Grooms: the lines of `groom` on what it paints, and of `info` on what is painted.
 
 use super::desk::{Desk, text};
+use serde_json::{Value, json};
 
 /// A tetrahedron with a color of bytes at each vertex.
 const CODES: &str = "v 0 0 0 255 0 0\nv 1 0 0 0 255 0\nv 0 1 0 0 0 255\nv 0 0 1 255 255 255
@@ -30,4 +31,29 @@ fn notes_on_a_file_that_is_object_and_color_are_said_once() {
         assert!(output.status.success(), "{said}");
         assert_eq!(said.matches("read as codes of 0 to 255").count(), 1, "{object}: {said}");
     }
+}
+
+#[test]
+fn a_groom_is_described_by_its_channels() {
+    let desk = Desk::new();
+    desk.good("groom torus --side 32 --length 0.5 --color vec3(2.0,1.0,0.5)");
+    let said = desk.good("info groom.nrrd");
+    for words in [
+        "kind       a groom",
+        "object     torus\n",
+        "voxels     32 x 32 x 32\n",
+        "painted    100 % of the voxels\n",
+        "length     0.5 to 0.5\n",
+        "color      0.5 to 2\n",
+        "direction  0 to 0\n",
+        "render torus -o picture.png --effect fur --groom groom.nrrd\n",
+    ] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+    let known: Value = serde_json::from_str(&desk.good("info groom.nrrd --json")).unwrap();
+    assert_eq!((&known["kind"], &known["color"]), (&json!("groom"), &json!([0.5, 2.0])));
+    // Other files of four dimensions are refused as before.
+    let file = String::from_utf8_lossy(&std::fs::read(desk.file("groom.nrrd")).unwrap()).into_owned();
+    desk.write("other.nrrd", file.replace("hypertexture groom", "another groom"));
+    assert!(text(&desk.run("info other.nrrd").stderr).contains("dimension `4` is not supported"));
 }
