@@ -23,7 +23,7 @@ fn open(hand: &mut Hand, name: &str) {
 }
 
 /// Chooses an item of the menu of a control; returns the copied text.
-fn choose(hand: &mut Hand, name: &str, item: &str) -> Option<String> {
+pub(super) fn choose(hand: &mut Hand, name: &str, item: &str) -> Option<String> {
     open(hand, name);
     let commands = hand.click(&format!("{name} {item}"));
     hand.0.run_steps(2);

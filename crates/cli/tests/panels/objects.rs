@@ -1,6 +1,7 @@
 //! The list of objects: eyes, locks and names.
 
 use super::Hand;
+use super::menu::choose;
 use egui_kittest::kittest::{NodeT, Queryable};
 use hypertexture::scene::{ParameterValue, preset};
 
@@ -87,6 +88,39 @@ fn objects_are_combined_by_buttons() {
     // A formula of another kind has no buttons.
     hand.write("combine", "main - (b | c)");
     assert!(hand.0.query_by_label("combine.cut").is_none());
+}
+
+#[test]
+fn objects_change_their_order_by_a_menu_and_by_drags() {
+    let mut hand = three();
+    hand.click("object b");
+    let before = hand.scene();
+    let places = |hand: &Hand| ["object b", "object c"].map(|name| hand.rect(name).center());
+    choose(&mut hand, "object b", "later");
+    let moved = hand.scene();
+    assert_eq!(moved.combine.as_deref(), Some("(main | c) - b"), "{}", said(&mut hand));
+    assert_eq!(moved.parts, before.parts);
+    assert!(hand.0.query_by_label("name of b").is_some(), "it stays selected");
+    let [b, c] = places(&hand);
+    assert!(c.y < b.y, "the list has the order of the formula");
+    hand.click("undo");
+    assert_eq!(hand.scene(), before, "one step");
+    let [b, c] = places(&hand);
+    hand.drag(c, b);
+    assert_eq!(hand.scene(), moved, "{}", said(&mut hand));
+    choose(&mut hand, "object b", "earlier");
+    assert_eq!(hand.scene(), before);
+    // A union has an order too, for operations that follow.
+    hand.click("combine.union");
+    choose(&mut hand, "object b", "later");
+    hand.click("combine.cut");
+    assert_eq!(hand.scene().combine.as_deref(), Some("(main | c) - b"));
+    // A formula of another kind has none.
+    hand.write("combine", "main - (b | c)");
+    let before = hand.scene();
+    choose(&mut hand, "object b", "later");
+    assert_eq!(hand.scene(), before);
+    assert!(said(&mut hand).contains("a formula of their own"), "{}", said(&mut hand));
 }
 
 #[test]

@@ -29,8 +29,19 @@ pub(super) fn of_setting(ui: &mut Ui, pass: &mut Pass<'_>, name: &str, add: impl
 
 /// Shows the controls of a field with their menu.
 pub(super) fn with_menu(ui: &mut Ui, pass: &mut Pass<'_>, of: &Of<'_>, add: impl FnOnce(&mut Ui, &mut Pass<'_>)) {
+    with_items(ui, pass, of.name, add, |ui, pass, menu| items(ui, pass, of, menu));
+}
+
+/// Shows controls with a menu of any items.
+pub(super) fn with_items(
+    ui: &mut Ui,
+    pass: &mut Pass<'_>,
+    name: &str,
+    add: impl FnOnce(&mut Ui, &mut Pass<'_>),
+    items: impl FnOnce(&mut Ui, &mut Pass<'_>, &mut Menu<'_>),
+) {
     let rect = ui.scope(|ui| add(ui, pass)).response.rect;
-    let id = Id::new(("menu", of.name));
+    let id = Id::new(("menu", name));
     let is_clicked = ui.input(|input| input.pointer.secondary_clicked()) && ui.rect_contains_pointer(rect);
     let focused = by_key(ui, rect);
     if let Some(control) = focused {
@@ -48,7 +59,34 @@ pub(super) fn with_menu(ui: &mut Ui, pass: &mut Pass<'_>, of: &Of<'_>, add: impl
     let popup = Popup::context_menu(&response).id(id).open_memory(is_opened.then_some(SetOpenCommand::Bool(true)));
     let control = ui.data(|data| data.get_temp::<Option<Id>>(id)).flatten();
     let popup = if control.is_some() { popup.at_position(rect.left_bottom()) } else { popup };
-    popup.show(|ui| items(ui, pass, of, control));
+    popup.show(|ui| {
+        // Opened by the keyboard, the menu takes the focus of the control.
+        let takes_focus = control.is_some() && ui.memory(|memory| memory.focused()) == control;
+        items(ui, pass, &mut Menu { name, takes_focus });
+    });
+}
+
+/// An open menu.
+pub(super) struct Menu<'a> {
+    /// Name of the controls.
+    name: &'a str,
+    /// Whether the next item takes the focus.
+    takes_focus: bool,
+}
+
+impl Menu<'_> {
+    /// Shows an item; returns whether it was chosen.
+    pub(super) fn item(&mut self, ui: &mut Ui, on: bool, text: &str, what: &str, doc: &str) -> bool {
+        let response = ui.add_enabled(on, Button::new(text)).on_hover_text(doc);
+        named(ui, &response, &format!("{} {what}", self.name));
+        if response.enabled() && std::mem::take(&mut self.takes_focus) {
+            response.request_focus();
+        }
+        if response.clicked() {
+            ui.close();
+        }
+        response.clicked()
+    }
 }
 
 /// The control within `rect` that has the focus, if its menu is asked for by the keyboard.
@@ -59,32 +97,19 @@ fn by_key(ui: &Ui, rect: Rect) -> Option<Id> {
     (is_own && ui.input_mut(|input| input.consume_key(Modifiers::SHIFT, Key::F10))).then_some(control)
 }
 
-fn items(ui: &mut Ui, pass: &mut Pass<'_>, of: &Of<'_>, control: Option<Id>) {
-    // Opened by the keyboard, the menu takes the focus of the control.
-    let mut takes_focus = control.is_some() && ui.memory(|memory| memory.focused()) == control;
-    let mut item = |ui: &mut Ui, on: bool, text: &str, what: &str, doc: &str| {
-        let response = ui.add_enabled(on, Button::new(text)).on_hover_text(doc);
-        named(ui, &response, &format!("{} {what}", of.name));
-        if response.enabled() && std::mem::take(&mut takes_focus) {
-            response.request_focus();
-        }
-        if response.clicked() {
-            ui.close();
-        }
-        response.clicked()
-    };
+fn items(ui: &mut Ui, pass: &mut Pass<'_>, of: &Of<'_>, menu: &mut Menu<'_>) {
     let text = of.value.as_ref().map(value_text);
-    if item(ui, text.is_some(), "Copy", "copy", "Copy the value as a scene file has it.") {
+    if menu.item(ui, text.is_some(), "Copy", "copy", "Copy the value as a scene file has it.") {
         ui.copy_text(text.unwrap_or_default());
     }
-    if item(ui, true, "Paste", "paste", "Take the value of the clipboard.") {
+    if menu.item(ui, true, "Paste", "paste", "Take the value of the clipboard.") {
         ui.data_mut(|data| data.insert_temp(waiting(), of.name.to_string()));
         ui.send_viewport_cmd(ViewportCommand::RequestPaste);
     }
     let home = (of.home)();
     let shown = home.as_ref().map_or("none".into(), value_text);
     let doc = format!("Reset to {shown}, the value of the preset or the default.");
-    if item(ui, home != of.value, "Reset", "reset", &doc) {
+    if menu.item(ui, home != of.value, "Reset", "reset", &doc) {
         pass.set(of.name, &home.as_ref().map(value_text).unwrap_or_default());
     }
     if let Some(value) = of.value.as_ref().filter(|_| is_movable(of.name)) {
@@ -92,12 +117,12 @@ fn items(ui: &mut Ui, pass: &mut Pass<'_>, of: &Of<'_>, control: Option<Id>) {
             Some(_) => ("Remove the keyframe", "keyframe remove"),
             None => ("Animate", "animate"),
         };
-        if item(ui, true, text, what, "A keyframe at the present time, as by the diamond of the control.") {
+        if menu.item(ui, true, text, what, "A keyframe at the present time, as by the diamond of the control.") {
             pass.keys = true;
             keyframes::toggle(pass, of.name, value);
         }
     }
-    if item(ui, true, "Copy as flag", "flag", "Copy the option of the command line.") {
+    if menu.item(ui, true, "Copy as flag", "flag", "Copy the option of the command line.") {
         ui.copy_text(option_text(of.name, of.value.as_ref()));
     }
 }

@@ -17,21 +17,41 @@ use std::collections::BTreeSet;
 /// Size of eye and lock, points.
 const ICON: Vec2 = vec2(18.0, 18.0);
 
-/// The list of objects, each with an eye, a lock and its name, and the formula that combines them.
+/// An object that is dragged in the list.
+struct Dragged(String);
+
+/// The list of objects in the order in which they are combined, each with an eye, a lock and its name, and the formula.
 pub(super) fn list(ui: &mut Ui, pass: &mut Pass<'_>, selected: &mut Option<String>, locked: &mut BTreeSet<String>) {
-    let names = [None].into_iter().chain(pass.model.scene().parts.keys().cloned().map(Some));
-    for name in names {
+    let model = pass.model;
+    let order: Vec<String> = match chain(model.scene()) {
+        Some(chain) => chain.into_iter().map(|(_, name)| name).collect(),
+        None => model.scene().parts.keys().cloned().collect(),
+    };
+    ui.horizontal(|ui| {
+        eye(ui, pass, None);
+        lock(ui, MAIN, locked);
+        label(ui, pass, None, 0, selected);
+    });
+    for (place, name) in order.iter().map(String::as_str).enumerate() {
         ui.horizontal(|ui| {
-            eye(ui, pass, name.as_deref());
-            let shown = name.as_deref().unwrap_or(MAIN);
-            lock(ui, shown, locked);
-            let part = name.as_ref().and_then(|name| pass.model.scene().parts.get(name));
-            let is_hidden = part.is_some_and(|part| part.hidden);
-            let text = if is_hidden { RichText::new(shown).weak() } else { RichText::new(shown) };
-            let response = ui.selectable_label(*selected == name, text);
-            if widgets::named(ui, &response, &format!("object {shown}")).clicked() {
-                selected.clone_from(&name);
-            }
+            eye(ui, pass, Some(name));
+            lock(ui, name, locked);
+            field_menu::with_items(
+                ui,
+                pass,
+                &format!("object {name}"),
+                |ui, pass| label(ui, pass, Some(name), place, selected),
+                |ui, pass, menu| {
+                    let doc = "Combine it before the object above it.";
+                    if menu.item(ui, place > 0, "Earlier", "earlier", doc) {
+                        move_to(pass, name, place - 1);
+                    }
+                    let doc = "Combine it after the object below it.";
+                    if menu.item(ui, place + 1 < order.len(), "Later", "later", doc) {
+                        move_to(pass, name, place + 1);
+                    }
+                },
+            );
         });
     }
     ui.horizontal_wrapped(|ui| {
@@ -68,6 +88,47 @@ pub(super) fn list(ui: &mut Ui, pass: &mut Pass<'_>, selected: &mut Option<Strin
     }
 }
 
+/// The name of an object: a click selects it, and a drag takes it to the place of another one.
+fn label(ui: &mut Ui, pass: &mut Pass<'_>, name: Option<&str>, place: usize, selected: &mut Option<String>) {
+    let shown = name.unwrap_or(MAIN);
+    let is_hidden = name.and_then(|name| pass.model.scene().parts.get(name)).is_some_and(|part| part.hidden);
+    let text = if is_hidden { RichText::new(shown).weak() } else { RichText::new(shown) };
+    // The main object is the first one of every chain.
+    let sense = if name.is_some() { Sense::click_and_drag() } else { Sense::click() };
+    let response = ui.add(Button::selectable(selected.as_deref() == name, text).sense(sense));
+    let response = widgets::named(ui, &response, &format!("object {shown}"));
+    if response.clicked() {
+        *selected = name.map(String::from);
+    }
+    if let Some(name) = name {
+        response.dnd_set_drag_payload(Dragged(name.into()));
+        response.clone().on_hover_text("A drag, or its menu, changes the order in which objects are combined.");
+    }
+    if let Some(dragged) = response.dnd_release_payload::<Dragged>() {
+        move_to(pass, &dragged.0, place);
+    } else if response.dnd_hover_payload::<Dragged>().is_some() {
+        response.highlight();
+    }
+}
+
+/// Takes an object to a place in the order of the formula, with its operation.
+fn move_to(pass: &mut Pass<'_>, name: &str, place: usize) {
+    let model = pass.model;
+    let Some(mut chain) = chain(model.scene()) else {
+        pass.refused = Some(format!("{name}: {OWN_FORMULA}"));
+        return;
+    };
+    if let Some(from) = chain.iter().position(|(_, own)| own == name).filter(|from| *from != place) {
+        let own = chain.remove(from);
+        chain.insert(place.min(chain.len()), own);
+        pass.draft.combine = formula(&chain, model.scene());
+        pass.touch = Some("combine".into());
+    }
+}
+
+/// Why a formula has neither buttons nor an order.
+const OWN_FORMULA: &str = "the objects are combined by a formula of their own: combine, in Advanced";
+
 /// Operations that combine an object with those before it: sign, name and description.
 const OPERATIONS: [(char, &str, &str); 3] = [
     ('|', "union", "The object is added to those before it."),
@@ -79,7 +140,7 @@ const OPERATIONS: [(char, &str, &str); 3] = [
 fn operation(ui: &mut Ui, pass: &mut Pass<'_>, name: &str) {
     let scene = pass.model.scene();
     let Some(chain) = chain(scene) else {
-        return drop(ui.weak("the objects are combined by a formula of their own: combine, in Advanced"));
+        return drop(ui.weak(OWN_FORMULA));
     };
     let now = chain.iter().find(|(_, own)| own == name).map(|(sign, _)| *sign);
     let row = Field {
@@ -101,8 +162,7 @@ fn operation(ui: &mut Ui, pass: &mut Pass<'_>, name: &str) {
             Some(own) => own.0 = sign,
             None => chain.push((sign, name.into())),
         }
-        let is_union = chain.iter().all(|(sign, _)| *sign == '|') && chain.len() == scene.parts.len();
-        pass.draft.combine = (!is_union).then(|| written(&chain));
+        pass.draft.combine = formula(&chain, scene);
         pass.touch = Some("combine".into());
     }
 }
@@ -128,7 +188,14 @@ fn chain(scene: &Scene) -> Option<Vec<(char, String)>> {
     (is_known && same).then_some(chain)
 }
 
-/// The formula of a chain.
+/// The formula of a chain; `None` for the union of all objects by their names, which a scene has without one.
+fn formula(chain: &[(char, String)], scene: &Scene) -> Option<String> {
+    let is_union = chain.iter().all(|(sign, _)| *sign == '|');
+    let is_plain = is_union && chain.iter().map(|(_, name)| name).eq(scene.parts.keys());
+    (!is_plain).then(|| written(chain))
+}
+
+/// The text of a chain.
 fn written(chain: &[(char, String)]) -> String {
     chain.iter().fold(MAIN.to_string(), |before, (sign, name)| match before.contains(' ') {
         true => format!("({before}) {sign} {name}"),
