@@ -77,6 +77,23 @@ fn a_parameter_goes_back_to_what_the_preset_says() {
 }
 
 #[test]
+fn commands_of_the_toolbar_have_frames() {
+    let hand = Hand::new(preset("lit").unwrap());
+    for name in ["copy", "author", "pause", "record", "compare", "lesson", "final"] {
+        let place = hand.rect(name);
+        let is_framed = hand.0.output().shapes.iter().any(|clipped| match &clipped.shape {
+            egui::Shape::Rect(shape) => {
+                let is_own = shape.rect.contains_rect(place.shrink(2.0)) && shape.rect.area() < 1.5 * place.area();
+                is_own && shape.fill.a() > 0
+            }
+            _ => false,
+        });
+        assert!(is_framed, "{name}");
+    }
+    assert!(!has(&hand, "quit"), "a menu and a key do it");
+}
+
+#[test]
 fn basic_settings_are_fewer() {
     let sections = ["Object", "Material", "Light and background", "Camera", "Accuracy", "Picture"];
     let mut hand = Hand::new(preset("lit").unwrap());
@@ -307,7 +324,7 @@ fn final_pictures_are_rendered_beside_the_window() {
     hand.picture("final");
     hand.click("final.render");
     // The process ends with the window, which asks first.
-    hand.click("quit");
+    hand.quit();
     assert_eq!(hand.0.state().requests, []);
     hand.click("ask.no");
     wait(&mut hand);

@@ -96,12 +96,12 @@ fn a_window_with_unsaved_work_asks_before_it_closes() {
     let quits = |hand: &Hand| hand.0.state().requests.contains(&Request::Quit);
     hand.set("material.specular", 0.75);
     hand.write("file.scene", scene.to_str().unwrap());
-    hand.click("quit");
+    hand.quit();
     assert!(!quits(&hand));
     hand.picture("quit");
     hand.click("ask.no");
     assert!(!quits(&hand) && hand.0.query_by_label("ask.yes").is_none());
-    hand.click("quit");
+    hand.quit();
     hand.click("ask.save");
     assert!(quits(&hand) && fs::read_to_string(&scene).unwrap().contains("specular = 0.75"));
 }
@@ -143,7 +143,7 @@ fn what_was_kept_is_offered_and_comes_back_and_opened_files_are_remembered() {
 fn a_text_that_no_file_holds_is_unsaved_work_too() {
     let mut hand = Hand::new(preset("fur").unwrap());
     hand.0.state_mut().panels.author.text.push_str("// mine\n");
-    hand.click("quit");
+    hand.quit();
     assert_eq!(hand.0.state().requests, []);
     hand.click("ask.yes");
     assert_eq!(hand.0.state().requests, [Request::Quit]);

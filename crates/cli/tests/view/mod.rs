@@ -166,7 +166,7 @@ fn its_panels_change_the_picture_that_is_written() {
          click march\nframes 2\nwait picture\nclick pause\nframes 20\nclick pause\nclick compare\nframes 2\n\
          set camera.elevation 10\nwait picture\nclick compare\nclick camera.reset\nclick author\nframes 3\n\
          click author\nclick copy\nframes 2\nwrite file.scene {scene}\nclick file.save\nwrite file.picture {picture}\n\
-         frames 3\nclick file.screenshot\nframes 2\nclick quit\nframes 9\n"
+         frames 3\nclick file.screenshot\nframes 2\nclick menu File\nframes 3\nclick menu Quit\nframes 9\n"
     );
     play(
         &display,

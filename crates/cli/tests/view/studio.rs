@@ -97,7 +97,7 @@ fn keyframes_are_set_where_the_timeline_is_and_saved() {
     let script = format!(
         "wait picture\nclick timeline keyframes\nframes 2\nclick parameters.fury.keyframe\nframes 2\nset timeline 2\n\
          frames 2\nset parameters.fury 3\nframes 2\nset timeline 1\nwait picture\nclick File\nframes 2\n\
-         write file.scene {scene}\nclick file.save\nframes 3\nclick quit\nframes 9\n"
+         write file.scene {scene}\nclick file.save\nframes 3\nquit\n"
     );
     let small = ["torus", "--effect", "fire", "--samples", "32", "--size", "64x48", "--window", "640x400"];
     play(&display, folder.path(), &small, &script);

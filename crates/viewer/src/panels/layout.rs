@@ -189,7 +189,6 @@ impl Panels {
                 let bar = |ui: &mut Ui| menu::show(ui, recent, &status.states, &command, &mut requests);
                 Panel::top("menu").show(ui, bar);
             }
-            requests = requests.into_iter().filter_map(|request| self.asking(request, model)).collect();
             let fps = self.finals.fps();
             let time = match self.keyframes.shown {
                 // A fixed height with a handle.
@@ -213,7 +212,7 @@ impl Panels {
                     menu::show(ui, &self.dialogs.recent, &status.states, &command, &mut asked);
                 }
                 let mut requests = self.controls(ui, model, status);
-                requests.extend(asked.into_iter().filter_map(|request| self.asking(request, model)));
+                requests.extend(asked);
                 ui.take_available_width();
                 requests
             });
@@ -265,8 +264,8 @@ impl Panels {
         self.dialogs.offer(ui, &mut pass.acts);
         toolbar::history(ui, &mut pass, &mut self.author_is_open);
         ui.horizontal_wrapped(|ui| {
-            let open = ui.toggle_value(&mut self.finals.is_open, "Final picture");
-            widgets::named(ui, &open, "final").on_hover_text("A picture, a sequence or a video, in any size.");
+            let (is_open, doc) = (self.finals.is_open, "A picture, a sequence or a video, in any size.");
+            self.finals.is_open ^= widgets::toggle(ui, is_open, "Final picture", "final", doc).clicked();
             self.finals.progress().map(|progress| ui.weak(progress));
         });
         ui.separator();
@@ -281,8 +280,8 @@ impl Panels {
         }
         refused.into_iter().for_each(|line| model.say(line));
         acts.into_iter().for_each(|act| self.act(act, model));
-        // Replacing a file and leaving unsaved work take a confirmation.
-        requests = requests.into_iter().filter_map(|request| self.asking(request, model)).collect();
+        // Replacing a file takes a confirmation.
+        requests = requests.into_iter().filter_map(|request| self.asking(request)).collect();
         // A drag is one undo step, and two keys are two.
         if !ui.ctx().input(|input| input.pointer.any_down()) {
             model.end_undo_group();
@@ -336,14 +335,10 @@ impl Panels {
     }
 
     /// Passes a request on, or asks a question instead.
-    fn asking(&mut self, request: Request, model: &Model) -> Option<Request> {
+    fn asking(&mut self, request: Request) -> Option<Request> {
         match request {
             Request::Screenshot(path) if self.finals.replaces(&path) => {
                 self.ask(Question::Picture(path));
-                None
-            }
-            Request::Quit if self.at_stake(model).is_some() => {
-                self.ask(Question::Quit);
                 None
             }
             other => Some(other),

@@ -2,11 +2,11 @@
 
 use super::context::{Act, Pass};
 use super::request::Request;
-use super::widgets::{button, named};
+use super::widgets::{button, named, toggle};
 use egui::{Button, RichText, TextEdit, Ui};
 use std::path::PathBuf;
 
-/// Undo, redo, copy of the command line, editor and window buttons.
+/// Undo, redo, copy of the command line, editor, time, turntable, comparison and lesson.
 pub(super) fn history(ui: &mut Ui, pass: &mut Pass<'_>, author_is_open: &mut bool) {
     let model = pass.model;
     ui.horizontal_wrapped(|ui| {
@@ -24,8 +24,7 @@ pub(super) fn history(ui: &mut Ui, pass: &mut Pass<'_>, author_is_open: &mut boo
         if button(ui, "Copy command", "copy", "Copy the command line that renders this picture.").clicked() {
             ui.ctx().copy_text(model.command_line());
         }
-        let editor = ui.toggle_value(author_is_open, "GLSL");
-        named(ui, &editor, "author").on_hover_text("Edit the modules of the effect.");
+        *author_is_open ^= toggle(ui, *author_is_open, "GLSL", "author", "Edit the modules of the effect.").clicked();
     });
     ui.horizontal_wrapped(|ui| window(ui, pass));
 }
@@ -33,8 +32,7 @@ pub(super) fn history(ui: &mut Ui, pass: &mut Pass<'_>, author_is_open: &mut boo
 fn window(ui: &mut Ui, pass: &mut Pass<'_>) {
     let status = pass.status;
     let mut ask = |ui: &mut Ui, on: bool, text: &str, name: &str, doc: &str, request: Request| {
-        let response = ui.selectable_label(on, text).on_hover_text(doc);
-        if named(ui, &response, name).clicked() {
+        if toggle(ui, on, text, name, doc).clicked() {
             pass.requests.push(request);
         }
     };
@@ -50,7 +48,6 @@ fn window(ui: &mut Ui, pass: &mut Pass<'_>) {
     ask(ui, status.split, "Compare", "compare", doc, Request::Split(other));
     let doc = "Slices, soft regions and turbulence of this scene, explained (L).";
     ask(ui, status.lesson, "How it works", "lesson", doc, Request::Lesson(!status.lesson));
-    ask(ui, false, "Quit", "quit", "Close the program.", Request::Quit);
 }
 
 /// Fields and buttons for files.

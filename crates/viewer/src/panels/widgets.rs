@@ -1,7 +1,8 @@
 //! Rows of a panel: a label with a tooltip, and a control whose accessible name is that of the field in a scene file.
 
 use egui::{
-    Align, Color32, ComboBox, DragValue, Layout, PointerButton, Response, Slider, SliderClamping, TextEdit, Ui, vec2,
+    Align, Button, Color32, ComboBox, DragValue, Layout, PointerButton, Response, Slider, SliderClamping, TextEdit, Ui,
+    vec2,
 };
 use hypertexture::scene::Color;
 use hypertexture_support::significant;
@@ -107,6 +108,12 @@ fn label_width(ui: &Ui) -> f32 {
 /// A button with an accessible name and a tooltip.
 pub fn button(ui: &mut Ui, text: &str, name: &str, doc: &str) -> Response {
     let response = ui.button(text).on_hover_text(doc);
+    named(ui, &response, name)
+}
+
+/// A framed button that stays pressed while what it opens is open.
+pub fn toggle(ui: &mut Ui, on: bool, text: &str, name: &str, doc: &str) -> Response {
+    let response = ui.add(Button::new(text).selected(on)).on_hover_text(doc);
     named(ui, &response, name)
 }
 
