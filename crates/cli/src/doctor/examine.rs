@@ -135,9 +135,12 @@ mod tests {
         assert!(report.healthy, "{}", report.text());
         let gpu = Gpu::new(&Options::from_env()).unwrap();
         assert!(report.text().contains(&gpu.info().name));
-        for subject in ["loops", "filter", "blend", "NaN", "timestamps"] {
+        for subject in ["loops", "filter", "blend", "NaN", "timestamps", "values behind loops", "derivatives", "sines"]
+        {
             assert!(report.text().lines().any(|line| line.contains(subject) && line.len() > 30), "{subject}");
         }
+        let missed = report.findings.iter().any(|own| own.finding.contains("compute shaders draw bent rays"));
+        assert_eq!(missed, gpu.info().misses_neighbors(), "the driver is known by its name and by its pixels");
     }
 
     #[test]

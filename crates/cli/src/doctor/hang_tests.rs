@@ -1,6 +1,7 @@
 //! A device that does not answer, and a signal.
 
-use super::probes::{Bench, LOOPS};
+use super::bench::Bench;
+use super::probes::LOOPS;
 use crate::sequence::stop_flag;
 use hypertexture::gpu::{Gpu, GpuError, Options, ending};
 use hypertexture::shader::{self, Linker};

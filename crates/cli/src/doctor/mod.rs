@@ -1,5 +1,7 @@
 //! Diagnosis of the device, with remedies.
 
+mod bench;
+mod drivers;
 mod examine;
 mod finding;
 #[cfg(test)]

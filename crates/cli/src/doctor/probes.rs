@@ -1,28 +1,11 @@
 //! Self-tests for known driver faults, with the workaround of each.
 
+use super::bench::{Bench, Outcome, ProbeError, Run};
+use super::drivers;
 use super::finding::Diagnosis;
-use hypertexture::gpu::{
-    Address, Binding, BindingKind, Blend, Dimension, Format, Gpu, GpuError, Image, ImageUse, Load, Marks, Pipeline,
-    PipelineDescription, Resource, Sampler, Submitted, Target,
-};
-use hypertexture::shader::{self, Library, LinkError, Linker, Slots, Stage};
+use hypertexture::gpu::{Dimension, Format, Gpu, Image};
+use hypertexture::shader::{self, Linker};
 use std::sync::Arc;
-
-/// Bindings of `part.glsl` and `interface.glsl`.
-const VOLUME: u32 = 17;
-const CLAMP_SAMPLER: u32 = 5;
-
-/// Error of a test that could not run.
-#[derive(Debug, thiserror::Error)]
-pub(super) enum ProbeError {
-    #[error(transparent)]
-    Link(#[from] LinkError),
-    #[error(transparent)]
-    Gpu(#[from] GpuError),
-}
-
-/// Result of a test: `PASS`, `NOTE` or `FAIL`, and a sentence.
-type Outcome = (&'static str, String);
 
 /// A test by its name in the report.
 type Test<'a> = (&'a str, &'a dyn Fn(&Bench<'_>) -> Result<Outcome, ProbeError>);
@@ -34,7 +17,7 @@ pub(super) fn run(gpu: &Gpu, report: &mut Diagnosis) {
         Err(error) => return report.line("FAIL", &format!("{error}; reinstall the program")),
     };
     let bench = Bench { gpu, library: shader::shipped(), linker };
-    let tests: [Test<'_>; 9] = [
+    let tests: [Test<'_>; 12] = [
         ("loops", &loops),
         ("filter of 4 x 8 bits", &|bench| filter(bench, Format::Rgba8Unorm)),
         ("filter of 16 bits", &|bench| filter(bench, Format::R16Unorm)),
@@ -44,6 +27,9 @@ pub(super) fn run(gpu: &Gpu, report: &mut Diagnosis) {
         ("blending in float32", &|bench| blend(bench, Format::Rgba32Float)),
         ("NaN", &nan),
         ("timestamps", &timestamps),
+        ("values behind loops", &drivers::crossing),
+        ("derivatives", &drivers::derivatives),
+        ("sines", &drivers::sines),
     ];
     for (name, test) in tests {
         let (what, finding) = test(&bench).unwrap_or_else(|error| ("FAIL", error.to_string()));
@@ -51,69 +37,22 @@ pub(super) fn run(gpu: &Gpu, report: &mut Diagnosis) {
     }
 }
 
-/// Device, library and linker of the tests.
-pub(super) struct Bench<'a> {
-    pub(super) gpu: &'a Gpu,
-    pub(super) library: Library,
-    pub(super) linker: Linker,
-}
-
-/// A run of a program of `glsl/doctor`.
-pub(super) struct Run<'a> {
-    fragment: &'a str,
-    format: Format,
-    size: [u32; 2],
-    layers: u32,
-    volume: Option<Arc<Image>>,
-}
-
-impl Bench<'_> {
-    /// Draws layers over a cleared target, each behind the ones before it, and returns the target's texels.
-    pub(super) fn draw(&self, run: &Run<'_>) -> Result<(Vec<[f32; 4]>, Submitted), ProbeError> {
-        const VERTEX: &str = "doctor/cover.vert";
-        let link = |entry, stage| self.linker.link(&self.library, entry, stage, &[VERTEX, run.fragment], &Slots::new());
-        let binding = |index, kind| Binding { index, kind, vertex: false, fragment: true };
-        let volume = [binding(VOLUME, BindingKind::Image), binding(CLAMP_SAMPLER, BindingKind::Sampler)];
-        let pipeline = Pipeline::new(
-            self.gpu,
-            &PipelineDescription {
-                vertex: &link(VERTEX, Stage::Vertex)?,
-                fragment: &link(run.fragment, Stage::Fragment)?,
-                constants: &[],
-                bindings: if run.volume.is_some() { &volume } else { &[] },
-                attributes: &[],
-                format: run.format,
-                samples: 1,
-                blend: Blend::Under,
-                marks: Marks::None,
-            },
-        )?;
-        let sampler = Arc::new(Sampler::new(self.gpu, Address::Clamp, 1.0)?);
-        let mut resources = vec![(CLAMP_SAMPLER, Resource::Sampler(sampler))];
-        resources.extend(run.volume.clone().map(|volume| (VOLUME, Resource::Image(volume))));
-        let set = pipeline.bind(&resources)?;
-        let [width, height] = run.size;
-        let plane = Dimension::Plane(width, height);
-        let color = Image::new(self.gpu, "self-test", plane, run.format, ImageUse::Target(1))?;
-        let target = Target::of(&color);
-        let took = self.gpu.submit("self-test", |commands| {
-            commands
-                .render(target, Load::Clear([0.0; 4]), |draw| draw.triangles(&pipeline, &set, None, 0..3 * run.layers));
-        })?;
-        Ok((color.read()?, took))
-    }
-}
-
 /// Loops that keep a processor busy for minutes.
 #[cfg(test)]
-pub(super) const LOOPS: Run<'static> =
-    Run { fragment: "doctor/loops.frag", format: Format::Rgba32Float, size: [2048, 2048], layers: 64, volume: None };
+pub(super) const LOOPS: Run<'static> = Run {
+    fragment: "doctor/loops.frag",
+    format: Format::Rgba32Float,
+    size: [2048, 2048],
+    layers: 64,
+    volume: None,
+    setting: None,
+};
 
 /// llvmpipe ends the loops of an invocation after 65 535 iterations in total without an error.
 fn loops(bench: &Bench<'_>) -> Result<Outcome, ProbeError> {
     const ASKED: usize = 70_000;
     let format = Format::Rgba32Float;
-    let run = Run { fragment: "doctor/loops.frag", format, size: [1, 1], layers: 1, volume: None };
+    let run = Run { fragment: "doctor/loops.frag", format, size: [1, 1], layers: 1, volume: None, setting: None };
     let [low, high, ..] = bench.draw(&run)?.0[0];
     let found = low as u32 | (high as u32) << 16;
     let states =
@@ -146,7 +85,8 @@ fn filter(bench: &Bench<'_>, format: Format) -> Result<Outcome, ProbeError> {
     };
     let volume = Image::sampled(bench.gpu, "self-test", Dimension::Volume(2, 1, 1), format, &texels)?;
     let (fragment, size) = ("doctor/filter.frag", [PLACES, 1]);
-    let run = Run { fragment, format: Format::Rgba32Float, size, layers: 1, volume: Some(Arc::new(volume)) };
+    let run =
+        Run { fragment, format: Format::Rgba32Float, size, layers: 1, volume: Some(Arc::new(volume)), setting: None };
     let found: Vec<f32> = bench.draw(&run)?.0.iter().map(|texel| texel[0]).collect();
     let mut distinct: Vec<u32> = found.iter().map(|value| value.to_bits()).collect();
     distinct.sort_unstable();
@@ -181,7 +121,7 @@ fn blend(bench: &Bench<'_>, format: Format) -> Result<Outcome, ProbeError> {
     if !bench.gpu.can_blend(format) {
         return Ok(("NOTE", "the device has none".into()));
     }
-    let run = Run { fragment: "doctor/blend.frag", format, size: [4, 4], layers: LAYERS, volume: None };
+    let run = Run { fragment: "doctor/blend.frag", format, size: [4, 4], layers: LAYERS, volume: None, setting: None };
     let found = bench.draw(&run)?.0[0][3];
     let measured = format!("{LAYERS} thin layers add up to {found:.6}, the truth is {TRUTH:.6}");
     Ok(match ((found - TRUTH).abs() < 1e-4, format) {
@@ -194,7 +134,7 @@ fn blend(bench: &Bench<'_>, format: Format) -> Result<Outcome, ProbeError> {
 /// Compilers may fold NaN, so that a shader cannot detect it.
 fn nan(bench: &Bench<'_>) -> Result<Outcome, ProbeError> {
     let format = Format::Rgba32Float;
-    let run = Run { fragment: "doctor/nan.frag", format, size: [1, 1], layers: 1, volume: None };
+    let run = Run { fragment: "doctor/nan.frag", format, size: [1, 1], layers: 1, volume: None, setting: None };
     let found = bench.draw(&run)?.0[0];
     let named = ["0 / 0", "inf - inf", "NaN * 0"].iter().zip(found);
     let folded: Vec<&str> = named.filter(|(_, survives)| *survives == 0.0).map(|(name, _)| *name).collect();
@@ -216,7 +156,7 @@ fn timestamps(bench: &Bench<'_>) -> Result<Outcome, ProbeError> {
         return Ok(("NOTE", "the queue has none; times are those of the wall clock".into()));
     }
     let (fragment, format) = ("doctor/blend.frag", Format::Rgba32Float);
-    let run = Run { fragment, format, size: [128, 128], layers: LAYERS, volume: None };
+    let run = Run { fragment, format, size: [128, 128], layers: LAYERS, volume: None, setting: None };
     let took = bench.draw(&run)?.1;
     let measured = format!("{:.2} ms on the device, {:.2} ms by the wall clock", took.gpu_ms, took.wall_ms);
     // Starting and waiting cost the wall clock up to a few milliseconds; the device cannot take longer.
