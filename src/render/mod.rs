@@ -28,7 +28,7 @@ pub use density::{
 };
 pub use error::RenderError;
 pub use explain::{
-    describe_frame, loop_note, octaves_held, same_pictures, unused_overrides, unused_settings, warnings,
+    describe_frame, eye_inside, loop_note, octaves_held, same_pictures, unused_overrides, unused_settings, warnings,
 };
 pub use frame::{Renderer, Transmittance, check_depth, paste_areas, render, transmittance};
 pub use groom::{Channel, GroomError, fill_channel};

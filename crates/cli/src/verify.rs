@@ -9,7 +9,7 @@ use clap::Args;
 use hypertexture::field::Progress;
 use hypertexture::gpu::{Gpu, Options};
 use hypertexture::output::{self, PROGRAM};
-use hypertexture::render::{Subject, render, try_custom_modules};
+use hypertexture::render::{Subject, eye_inside, render, try_custom_modules};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
 use hypertexture_measure::cases::{self, Suite};
@@ -18,6 +18,7 @@ use hypertexture_measure::picture_check::{self, CheckError, CheckOptions, PixelT
 use hypertexture_measure::reference::{Reference, ReferenceError, TOLERANCE, converged_settings, reference_pixels};
 use hypertexture_support::words;
 use serde_json::json;
+use std::cell::RefCell;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -84,7 +85,9 @@ fn picture(image: &Path, command: &Verify, options: &Options, quiet: bool) -> Re
     };
     let gpu = Gpu::new(options)?;
     let asked = CheckOptions { pixels: command.pixels, seed: command.seed, bound: command.bound, reach };
+    let inside = RefCell::new(None);
     let known = |scene: &Scene, subject: &Subject, pixels: &[[u32; 2]], progress: Progress<'_>| {
+        *inside.borrow_mut() = eye_inside(&variant, subject, &library);
         truth(&gpu, &library, scene, subject, pixels, progress)
     };
     let verdict =
@@ -93,6 +96,7 @@ fn picture(image: &Path, command: &Verify, options: &Options, quiet: bool) -> Re
         Err(error @ CheckError::NotFinite { .. }) => Err(error.to_string()),
         verdict => Ok(verdict?),
     };
+    let inside: Option<String> = inside.into_inner();
     let disagreement = match &verdict {
         Ok(verdict) => fault(verdict).map(|wrong| format!("{}: {wrong}", image.display())),
         Err(error) => Some(error.clone()),
@@ -113,7 +117,7 @@ fn picture(image: &Path, command: &Verify, options: &Options, quiet: bool) -> Re
         say_json(&json!({
             "picture": image.display().to_string(), "program": provenance.program, "device": provenance.device,
             "scene_hash": provenance.scene_hash, "disagreement": disagreement, "agreement": facts,
-            "module": module.map(|fault| fault.to_string()),
+            "module": module.map(|fault| fault.to_string()), "notes": inside.iter().collect::<Vec<_>>(),
         }))?;
     } else if let Some(verdict) = verdict.ok().filter(|_| !quiet) {
         let hash = provenance.scene_hash.get(..16).unwrap_or(&provenance.scene_hash);
@@ -121,6 +125,9 @@ fn picture(image: &Path, command: &Verify, options: &Options, quiet: bool) -> Re
         let inputs = if inputs.is_empty() { String::new() } else { format!("; unchanged: {}", inputs.join(", ")) };
         let about = format!("by {} on {}; scene {hash}{inputs}", provenance.program, provenance.device);
         say(&format!("picture    {}\n{}", words::line(&about), verdict.text()));
+        if let Some(line) = inside {
+            say(&format!("note       {line}\n"));
+        }
         say_fault(module);
         if disagreement.is_none() {
             let (metric, error) = (verdict.metric, verdict.error());

@@ -6,4 +6,4 @@ mod warnings;
 
 pub use describe::{describe_frame, octaves_held};
 pub use unused_settings::{same_pictures, unused_overrides, unused_settings};
-pub use warnings::{loop_note, warnings};
+pub use warnings::{eye_inside, loop_note, warnings};

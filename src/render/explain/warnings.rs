@@ -57,6 +57,18 @@ pub fn loop_note(variant: &Variant) -> Option<String> {
     })
 }
 
+/// A note on an eye inside hard matter, from which no surface is seen; `None` of any other eye.
+pub fn eye_inside(variant: &Variant, subject: &Subject, library: &Library) -> Option<String> {
+    let eye = View::of(variant, subject).eye()?;
+    let is_cut = variant.scene.camera.clip.is_some_and(|[x, y, z, most]| Vec3::new(x, y, z).dot(eye) > most);
+    let density = if is_cut { 0.0 } else { density_at(library, variant, subject, eye).ok()? };
+    (density >= 1.0).then(|| {
+        "the eye is inside hard matter: rays end at their first sample, and no surface is seen; move the eye out \
+         (--camera, camera.matrices), or cut the object open (camera.clip)"
+            .into()
+    })
+}
+
 /// The soft region has no width.
 fn no_width(scene: &Scene, outer: f32) -> Option<String> {
     let inner = scene.object.inner_iso;
@@ -154,18 +166,6 @@ fn finest() -> f32 {
         Some(Kind::Whole(range)) => range.high,
         _ => f32::INFINITY,
     }
-}
-
-/// The eye is inside hard matter.
-fn eye_inside(variant: &Variant, subject: &Subject, library: &Library) -> Option<String> {
-    let eye = View::of(variant, subject).eye()?;
-    let is_cut = variant.scene.camera.clip.is_some_and(|[x, y, z, most]| Vec3::new(x, y, z).dot(eye) > most);
-    let density = if is_cut { 0.0 } else { density_at(library, variant, subject, eye).ok()? };
-    (density >= 1.0).then(|| {
-        "the eye is inside hard matter: rays end at their first sample, and no surface is seen; move the eye out \
-         (--camera, camera.matrices), or cut the object open (camera.clip)"
-            .into()
-    })
 }
 
 /// The mesh is open, so inside and outside are a guess.

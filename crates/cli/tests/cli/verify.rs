@@ -78,6 +78,18 @@ fn every_picture_says_which_scene_it_shows_and_is_verified_by_it() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn an_eye_in_hard_matter_is_noted_of_a_picture_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let desk = folder.path();
+    for (camera, is_inside) in [("0,0,100", true), ("0,0", false)] {
+        good(desk, &format!("render sphere --effect lit --size 24x24 --camera {camera} -o eye.png"));
+        let said = good(desk, "verify eye.png --pixels 20");
+        assert_eq!(said.contains("\nnote       the eye is inside hard matter"), is_inside, "{said}");
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn shards_frames_and_pages_keep_where_they_come_from() {
     let folder = tempfile::tempdir().unwrap();
     let desk = folder.path();
