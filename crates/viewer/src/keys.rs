@@ -133,7 +133,13 @@ pub(super) const KEYS: &[Binding] = &[
     plain(Key::Questionmark, "? or H", Action::Help, "Keys", "this list"),
     plain(Key::H, "H", Action::Help, "", ""),
     plain(Key::L, "L", Action::Lesson, "How it works", "how it works: slices, soft regions, turbulence"),
-    plain(Key::Escape, "Esc", Action::Leave, "Leave", "leave the text field, this list, full screen; then the window"),
+    plain(
+        Key::Escape,
+        "Esc",
+        Action::Leave,
+        "Leave",
+        "leave the text field, this list, the brush, full screen; then the window",
+    ),
 ];
 
 /// Help on the mouse.

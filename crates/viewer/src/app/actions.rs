@@ -88,6 +88,8 @@ impl App {
             Action::Help => self.help = !self.help,
             Action::Lesson => self.lesson.is_open ^= true,
             Action::Leave if self.help => self.help = false,
+            Action::Leave if self.objects.places => self.toggle_placement(),
+            Action::Leave if self.panels.painting.is_on => self.toggle_brush(),
             Action::Leave if self.full_screen => self.full_screen = false,
             Action::Leave => self.panels.ask(Question::Quit),
         }

@@ -56,6 +56,23 @@ fn objects_are_duplicated_and_removed_by_keys() {
 }
 
 #[test]
+fn escape_ends_what_is_on_before_it_asks_to_quit() {
+    let mut hand = loaded(scene());
+    let escape = |hand: &mut Hand| {
+        hand.key_press(Key::Escape);
+        hand.run_steps(2);
+        (hand.state().objects.places, hand.state().panels.painting.is_on, hand.state().panels.is_asking())
+    };
+    hand.key_press(Key::G);
+    hand.state_mut().panels.painting.is_on = true;
+    hand.run_steps(2);
+    assert!(hand.state().objects.places);
+    assert_eq!(escape(&mut hand), (false, true, false));
+    assert_eq!(escape(&mut hand), (false, false, false));
+    assert_eq!(escape(&mut hand), (false, false, true));
+}
+
+#[test]
 fn a_stroke_that_is_refused_turns_nothing() {
     let mut hand = loaded(scene());
     hand.state_mut().panels.painting.is_on = true;
