@@ -166,6 +166,7 @@ impl Canvas {
             samples: 1,
             blend: Blend::Over,
             marks: Marks::None,
+            covered: false,
         };
         let (pipeline, frame) = (Pipeline::new(gpu, &description)?, WindowFrame::new(gpu)?);
         let sampler = Arc::new(Sampler::new(gpu, Address::Clamp, 1.0)?);

@@ -47,6 +47,8 @@ pub struct PipelineDescription<'a> {
     pub blend: Blend,
     /// Use of marks.
     pub marks: Marks,
+    /// Whether a driver of the CPU runs the fragment stage in covered pixels alone, if that reads no other pixels.
+    pub covered: bool,
 }
 
 /// A pipeline and its layout.
@@ -67,7 +69,7 @@ impl Pipeline {
         check(gpu, description)?;
         let mut pipeline = Pipeline::with_layout(gpu, description.bindings, &[])?;
         let vertex = Module::new(gpu, description.vertex)?;
-        let within = if gpu.info().cpu { covered(description.fragment) } else { None };
+        let within = if description.covered && gpu.info().cpu { covered(description.fragment) } else { None };
         let fragment = Module::new(gpu, within.as_deref().unwrap_or(description.fragment))?;
         let (entries, values): (Vec<_>, Vec<u8>) = specialization(description.constants);
         let constants = vk::SpecializationInfo::default().map_entries(&entries).data(&values);

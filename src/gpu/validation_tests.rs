@@ -94,6 +94,7 @@ fn sampling_pipeline(gpu: &Gpu, attributes: &[u32]) -> Pipeline {
         samples: 1,
         blend: Blend::Replace,
         marks: super::Marks::None,
+        covered: true,
     };
     Pipeline::new(gpu, &description).unwrap()
 }

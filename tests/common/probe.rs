@@ -122,6 +122,7 @@ impl Probe {
             samples: 1,
             blend: Blend::Replace,
             marks: Marks::None,
+            covered: true,
         };
         Pipeline::new(gpu, &description).unwrap()
     }

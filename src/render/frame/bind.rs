@@ -297,6 +297,8 @@ pub(crate) fn pipeline(
         samples,
         blend,
         marks,
+        // Programs of several objects end llvmpipe of Mesa 26.1 by a signal then: see `docs/notes/drivers.md`.
+        covered: !scene.has_several(),
     };
     gpu::Pipeline::new(gpu, &description)
 }

@@ -67,6 +67,7 @@ impl Bench<'_> {
                 samples: 1,
                 blend: Blend::Under,
                 marks: Marks::None,
+                covered: true,
             },
         )?;
         let sampler = Arc::new(Sampler::new(self.gpu, Address::Clamp, 1.0)?);

@@ -48,6 +48,7 @@ impl<'a> Function<'a> {
                 samples: 1,
                 blend: Blend::Replace,
                 marks: Marks::None,
+                covered: true,
             },
         )?;
         Ok(Function { gpu: lab.gpu, pipeline })
