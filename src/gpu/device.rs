@@ -114,7 +114,7 @@ pub(super) struct PipelineCache {
     device: ash::Device,
     pub(super) handle: vk::PipelineCache,
     file: Option<PathBuf>,
-    /// What the file holds, and what the driver makes of a cache without pipelines.
+    /// Content of the file, and of a cache without pipelines of this driver.
     known: Vec<u8>,
     empty: Vec<u8>,
 }

@@ -1,4 +1,4 @@
-//! What a release is made of agrees: versions, the CHANGELOG, the scripts of the workflows, and the limits in SECURITY.md.
+//! Parts of a release agree: versions, the CHANGELOG, the scripts of the workflows, and the limits in SECURITY.md.
 #![expect(clippy::unwrap_used, reason = "a test fails where a file is not as described")]
 
 use hypertexture_support::jobs::Limits;

@@ -30,7 +30,7 @@ crate::rows! {
         "groom/volume.glsl": "/ (2.0 * reach)" => "/ reach";
 }
 
-/// What is painted at a place of the skin.
+/// Groom at a place of the skin.
 pub struct Painted {
     pub direction: DVec3,
     pub length: f64,

@@ -349,7 +349,7 @@ fn explain(pick: &Pick, bound: ErrorBound) -> String {
         Some(why) => format!("by a finer picture (own error {estimate:.0e}): {why}"),
     };
     let below = rounded_up(error).min(bound.error);
-    // What no sample of the reference met is in no figure but that by proof.
+    // Matter that no sample of the reference met is in the figure by proof alone.
     let beyond = match pick.unverified.is_none() && pick.verified.by_proof() > bound.error {
         true => format!(
             " of what samples meet, and {:.1e} with all that bounds leave open",

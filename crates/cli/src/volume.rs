@@ -113,7 +113,7 @@ pub(super) fn export(
     Ok(())
 }
 
-/// What a file holds: names of grids, and the color of all matter if it is not a grid.
+/// Content of a file: names of grids, and the color of all matter if it is not a grid.
 struct Content {
     names: Vec<&'static str>,
     color: Option<[f32; 3]>,

@@ -176,7 +176,7 @@ fn tried(job: Job, options: &Options, stage: &mut dyn FnMut() -> io::Result<()>)
     };
     let (small, subject) = match load() {
         Ok(loaded) => loaded,
-        // What cannot be loaded, such as a groom, cannot be drawn either.
+        // A scene that cannot be loaded, such as its groom, cannot be drawn either.
         Err(error) => return Ok(Answer::Bad(error.to_string())),
     };
     match try_custom_modules(&library, &small, &subject) {

@@ -83,7 +83,7 @@ impl Encoded {
     }
 }
 
-/// What a picture is encoded over, for [`Encoder::encode`](hypertexture::gpu::Encoder::encode).
+/// Background that a picture is encoded over, for [`Encoder::encode`](hypertexture::gpu::Encoder::encode).
 pub(super) fn behind(background: Option<Color>) -> [[f32; 4]; 2] {
     let with = |color: Color, code: f32| {
         let [r, g, b] = color.linear();

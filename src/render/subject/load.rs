@@ -41,7 +41,7 @@ pub struct Subject {
     pub proposed_iso: Option<f32>,
     /// Files read besides the named one: the data of a header, the slices of a series.
     pub others: Vec<PathBuf>,
-    /// What is painted on the object.
+    /// Groom painted on the object.
     pub groom: Option<Arc<Groom>>,
     /// The additional objects of the scene, each in its own space.
     pub parts: BTreeMap<String, Subject>,

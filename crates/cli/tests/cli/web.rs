@@ -96,7 +96,7 @@ fn browse(folder: &Path, url: &str) -> Option<Browser> {
     })
 }
 
-/// What the page of a folder posts, by name; `None` without a browser.
+/// Files that the page of a folder posts, by name; `None` without a browser.
 fn posted(root: &Path, page: &str) -> Option<HashMap<String, Vec<u8>>> {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let url = format!("http://{}/{page}", listener.local_addr().unwrap());
@@ -147,7 +147,8 @@ fn a_browser_draws_the_pictures_of_render_and_changes_them() {
     }
 }
 
-/// What a page of 128 x 128 pixels posts with the state of its address, its picture in its own size whatever the window; `None` without a browser.
+/// Files that a page of 128 x 128 pixels posts with the state of its address, its picture in its own size whatever the
+/// window; `None` without a browser.
 fn drawn(root: &Path, folder: &str, state: &str) -> Option<HashMap<String, Vec<u8>>> {
     let style = root.join(folder).join("style.css");
     let text = fs::read_to_string(&style).unwrap();

@@ -29,7 +29,7 @@ struct Run {
     open: f64,
 }
 
-/// What is undecided of a ray.
+/// Undecided opacity of a ray.
 pub(super) struct Proof {
     /// Front to back.
     runs: Vec<Run>,
@@ -44,7 +44,7 @@ pub(super) struct Proof {
 }
 
 impl Proof {
-    /// What the bounds of single pieces leave undecided; `vain`: no further bounds are computed.
+    /// The proof by bounds of single pieces; `vain`: no further bounds are computed.
     pub(super) fn new(ray: &RayIntegral, limits: &Limits, vain: bool) -> Proof {
         let bounds = if vain { 0 } else { BOUNDS };
         let least = f64::INFINITY;

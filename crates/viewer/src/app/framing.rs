@@ -170,7 +170,7 @@ mod tests {
     use hypertexture::shader::shipped;
 
     #[test]
-    fn the_main_object_keeps_place_and_size_wherever_another_one_goes() {
+    fn the_main_object_keeps_its_place_while_another_moves() {
         for projection in [Projection::Perspective, Projection::Parallel] {
             let mut scene = preset("lit").unwrap();
             scene.object.input = "sphere".into();

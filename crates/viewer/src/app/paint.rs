@@ -169,7 +169,7 @@ mod tests {
     use hypertexture::shader::shipped;
 
     #[test]
-    fn a_ray_through_the_fur_beside_the_surface_touches_the_nearest_skin() {
+    fn a_ray_through_fur_touches_the_nearest_skin() {
         let mut scene = preset("lit").unwrap();
         scene.object.input = "torus".into();
         let subject = Subject::load(&scene, &shipped(), &|_| ()).unwrap();

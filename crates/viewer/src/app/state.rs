@@ -369,7 +369,7 @@ impl App {
         self.loader.progress()
     }
 
-    /// What an automated run waits for.
+    /// Work that an automated run waits for, in words.
     pub(crate) fn awaited(&self) -> String {
         let error = self.figures.error;
         match (self.panels.finals.progress(), self.loading()) {

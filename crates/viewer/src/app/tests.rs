@@ -113,7 +113,7 @@ fn a_stroke_begins_on_fur_beside_the_skin_and_each_is_one_step() {
 }
 
 #[test]
-fn the_frame_is_held_while_an_object_moves_and_comes_back_by_a_key() {
+fn the_frame_is_held_while_an_object_moves() {
     let mut hand = loaded(scene());
     open(&mut hand);
     act(&mut hand, Some(Role::Button), "object b", Action::Click);
@@ -211,7 +211,7 @@ fn a_drag_of_the_light_speaks_of_no_view() {
 }
 
 #[test]
-fn delete_is_for_a_keyframe_that_is_there_and_seen_else_for_the_object() {
+fn delete_removes_a_visible_keyframe_before_the_object() {
     const TRACK: &str = "light.intensity";
     let mut hand = loaded(scene());
     let keyed = |hand: &mut Hand| {

@@ -72,7 +72,7 @@ impl Model {
         let good = self.propose("restore unsaved work", scene);
         if good {
             self.end_undo_group();
-            // What is in the file now; without one, the scene is unsaved as a whole.
+            // The present content of the file; without one, the scene is unsaved as a whole.
             let saved = origin.as_deref().and_then(|file| scene::load(file, Reach::Anywhere).ok());
             self.saved = saved.unwrap_or_default();
             self.file = origin;

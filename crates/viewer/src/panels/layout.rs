@@ -356,7 +356,7 @@ impl Panels {
             Act::Choose => self.dialogs.choose(),
             Act::Open(path) => drop(model.open(&path)),
             Act::Restore(folder) => {
-                // What cannot be opened as a whole is offered again.
+                // Work that cannot be opened as a whole is offered again.
                 if unsaved::restore(&folder, model, &mut self.author) {
                     self.restored = Some(folder);
                 }

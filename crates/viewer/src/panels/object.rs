@@ -271,7 +271,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_chain_of_operations_is_read_from_its_formula_and_written_again() {
+    fn a_chain_of_operations_is_that_of_its_formula() {
         let mut scene = Scene::default();
         for name in ["a", "b"] {
             scene.parts.insert(name.into(), Default::default());

@@ -111,7 +111,7 @@ fn restored_work_stays_that_of_its_file_and_unsaved() {
 }
 
 #[test]
-fn work_that_could_not_be_kept_is_tried_again_and_what_was_restored_stays() {
+fn a_failed_store_of_work_is_tried_again() {
     let folder = tempfile::tempdir().unwrap();
     let root = folder.path().join("unsaved");
     let mut desk = Desk::new(&root);
@@ -129,7 +129,7 @@ fn work_that_could_not_be_kept_is_tried_again_and_what_was_restored_stays() {
 }
 
 #[test]
-fn of_work_restored_one_after_another_that_of_the_history_only_is_offered_again() {
+fn work_of_the_history_alone_is_offered_again() {
     let folder = tempfile::tempdir().unwrap();
     let root = folder.path().join("unsaved");
     let folders = ["first", "second", "third"].map(|name| folder.path().join(name));
@@ -159,7 +159,7 @@ fn work_that_cannot_be_restored_is_not_taken_over() {
 }
 
 #[test]
-fn a_stroke_that_has_just_begun_is_kept_at_the_end_of_its_window() {
+fn a_stroke_that_has_just_begun_is_kept() {
     let folder = tempfile::tempdir().unwrap();
     let mut desk = Desk::new(folder.path());
     let file = desk.painting.begin(desk.model.scene(), Vec3::X, Vec3::X).unwrap();
