@@ -170,9 +170,11 @@ fn scenes_that_compute_shaders_cannot_draw_say_so_and_are_drawn() {
             let lines = describe_frame(&frame.measurements, &variant, &subject, library);
             assert!(!frame.measurements.is_compute, "{name}");
             assert!(lines.iter().any(|[about, text]| about == "note" && text.contains(why)), "{name}: {lines:?}");
-            // In a loop that rays leave one by one, GLSL leaves the derivatives of a module undefined.
-            let same = frame.pixels == by(gpu, library, &scene, ShaderStage::Fragment).pixels;
-            assert!(same || name == "derived", "{name}");
+            // In a loop that rays leave one by one, GLSL leaves the derivatives of a module undefined: SwiftShader has others
+            // in each draw.
+            let is_defined = name != "derived" || gpu.info().name.contains("llvmpipe");
+            let again = by(gpu, library, &scene, ShaderStage::Fragment).pixels;
+            assert!(!is_defined || frame.pixels == again, "{name}");
         }
     });
 }
