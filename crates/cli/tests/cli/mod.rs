@@ -21,6 +21,7 @@ mod readers;
 mod refusals;
 #[cfg(unix)]
 mod release;
+mod reports;
 mod sequences;
 mod shards;
 mod strangers;
