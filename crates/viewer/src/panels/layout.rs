@@ -183,10 +183,9 @@ impl Panels {
         let mut requests: Vec<Request> = Vec::new();
         if !self.hidden {
             let is_low = ui.available_height() < LOW;
-            let command = model.command_line();
             if !is_low {
                 let recent = &self.dialogs.recent;
-                let bar = |ui: &mut Ui| menu::show(ui, recent, &status.states, &command, &mut requests);
+                let bar = |ui: &mut Ui| menu::show(ui, recent, &status.states, model, &mut requests);
                 Panel::top("menu").show(ui, bar);
             }
             let fps = self.finals.fps();
@@ -209,7 +208,7 @@ impl Panels {
                 let mut asked = Vec::new();
                 if is_low {
                     // The menus of a low window take no height from the picture.
-                    menu::show(ui, &self.dialogs.recent, &status.states, &command, &mut asked);
+                    menu::show(ui, &self.dialogs.recent, &status.states, model, &mut asked);
                 }
                 let mut requests = self.controls(ui, model, status);
                 requests.extend(asked);

@@ -3,6 +3,7 @@
 use super::request::Request;
 use super::widgets::named;
 use crate::keys::{Action, KEYS};
+use crate::model::Model;
 use egui::{Button, MenuBar, Ui};
 use std::path::PathBuf;
 
@@ -47,7 +48,7 @@ pub(super) fn show(
     ui: &mut Ui,
     recent: &[PathBuf],
     states: &[(Action, bool)],
-    command: &str,
+    model: &Model,
     requests: &mut Vec<Request>,
 ) {
     MenuBar::new().ui(ui, |ui| {
@@ -80,7 +81,7 @@ pub(super) fn show(
                                 "copy the command line that renders this picture",
                             ) =>
                         {
-                            ui.ctx().copy_text(command.into());
+                            ui.ctx().copy_text(model.command_line());
                         }
                         _ => {}
                     }
