@@ -19,7 +19,7 @@ fn a_lesson_measures_turbulence_and_leaves_a_scene_that_can_be_saved() {
          write file.scene {}\nclick file.save\nquit\n",
         saved.display()
     );
-    let scene = ["sphere", "--effect", "fire", "--size", "32x24", "--window", "1200x900", "--supersampling", "4"];
+    let scene = ["sphere", "--effect", "fire", "--size", "32x24", "--window", "1200x560", "--supersampling", "4"];
     play(&display, folder.path(), &scene, &script);
     let scene = scene::load(&saved, Reach::Anywhere).unwrap();
     let (quality, effect) = (&scene.quality, &scene.effect);
