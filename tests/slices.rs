@@ -163,19 +163,16 @@ fn m61_slices_in_the_tiles_of_cells_that_may_hold_matter_are_the_same_picture() 
             for (what, change) in &changes[..ways] {
                 let mut scene = scene.clone();
                 scene.image.size = [200, 160];
-                let with = |empty_space| {
-                    let mut scene = scene.clone();
-                    scene.quality.empty_space = empty_space;
-                    let mut renderer = Renderer::new(gpu, &library, subject);
-                    // Results for this picture must not serve another; the second picture of a program finds cells anyway.
-                    renderer.render(&scene).unwrap_or_else(|error| panic!("{error}"));
-                    change(&mut scene);
-                    renderer
-                        .render(&scene)
-                        .and_then(|_| renderer.render(&scene))
-                        .unwrap_or_else(|error| panic!("{error}"))
-                };
-                let [skipped, every] = [EmptySpace::Skip, EmptySpace::Sample].map(with);
+                let mut renderer = Renderer::new(gpu, &library, subject);
+                let mut draw = |scene: &Scene| renderer.render(scene).unwrap_or_else(|error| panic!("{error}"));
+                scene.quality.empty_space = EmptySpace::Skip;
+                // Results for this picture must not serve another; the second picture of a program finds cells anyway.
+                draw(&scene);
+                change(&mut scene);
+                draw(&scene);
+                let skipped = draw(&scene);
+                scene.quality.empty_space = EmptySpace::Sample;
+                let every = shipped(gpu, &scene, subject);
                 let bits = |frame: &Frame| bytemuck::cast_slice::<_, u32>(&frame.pixels).to_vec();
                 assert!(bits(&skipped) == bits(&every), "{name}, {what}");
                 let serve = !["taken apart", "four samples a pixel"].contains(what);
