@@ -83,6 +83,9 @@ fn means(library: &Library) -> f64 {
                     (found[0] / all - 1.0).abs() / TOLERANCE
                 })
                 .max(worst);
+            if worst > 1.0 {
+                return worst; // it fails whatever follows
+            }
         }
     }
     worst
