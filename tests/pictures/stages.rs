@@ -8,17 +8,18 @@ use hypertexture::render::{Frame, Renderer, describe_frame};
 use hypertexture::scene::{LightMethod, Pass, RayPath, Scene, ShaderStage, TargetFormat, names, preset};
 use hypertexture::shader::{self, Library};
 
-/// A scene's picture by a stage.
-fn by(gpu: &Gpu, library: &Library, scene: &Scene, stage: ShaderStage) -> Frame {
-    let mut scene = scene.clone();
-    scene.quality.stage = stage;
-    picture(gpu, library, &scene, &subject(&scene, library))
+/// A scene's pictures by the fragment and the compute stage.
+fn by_stages(gpu: &Gpu, library: &Library, scene: &Scene) -> [Frame; 2] {
+    let subject = subject(scene, library);
+    [ShaderStage::Fragment, ShaderStage::Compute].map(|stage| {
+        let mut scene = scene.clone();
+        scene.quality.stage = stage;
+        picture(gpu, library, &scene, &subject)
+    })
 }
 
 fn agree(gpu: &Gpu, scene: &Scene, name: &str) {
-    let library = shader::shipped();
-    let [fragment, compute] =
-        [ShaderStage::Fragment, ShaderStage::Compute].map(|stage| by(gpu, &library, scene, stage));
+    let [fragment, compute] = by_stages(gpu, &shader::shipped(), scene);
     let traces = scene.quality.pass == Pass::March;
     assert_eq!([fragment.measurements.is_compute, compute.measurements.is_compute], [false, traces], "{name}");
     assert!(fragment.pixels.iter().any(|pixel| pixel[3] > 0.0), "{name} is empty");
@@ -59,9 +60,7 @@ fn random_scenes_have_the_same_bits_in_both_stages() {
         for number in 0..count {
             let scene = random_scene(&mut random);
             if formula(&scene).scale > 0.0 {
-                let library = shader::shipped();
-                let [fragment, compute] =
-                    [ShaderStage::Fragment, ShaderStage::Compute].map(|stage| by(gpu, &library, &scene, stage));
+                let [fragment, compute] = by_stages(gpu, &shader::shipped(), &scene);
                 assert!(compute.measurements.is_compute && fragment.pixels == compute.pixels, "scene {number}");
             }
         }
@@ -173,7 +172,8 @@ fn scenes_that_compute_shaders_cannot_draw_say_so_and_are_drawn() {
             // In a loop that rays leave one by one, GLSL leaves the derivatives of a module undefined: SwiftShader has others
             // in each draw.
             let is_defined = name != "derived" || gpu.info().name.contains("llvmpipe");
-            let again = by(gpu, library, &scene, ShaderStage::Fragment).pixels;
+            scene.quality.stage = ShaderStage::Fragment;
+            let again = picture(gpu, library, &scene, &subject).pixels;
             assert!(!is_defined || frame.pixels == again, "{name}");
         }
     });

@@ -9,7 +9,7 @@ use crate::render::camera::{FrameContext, SubFrame};
 use crate::render::error::RenderError;
 use crate::render::inputs::{CpuInputs, ImageInfo, Inputs, Values};
 use crate::render::subject::Subject;
-use crate::render::variant::{OCTAVES_ID, Purpose, Variant, bindings};
+use crate::render::variant::{OCTAVES_ID, Program, Purpose, Variant, bindings};
 use crate::scene::{Order, Pass, Projection, RayPath, Scene, names, preset};
 use crate::shader::{self, Library, Linker, ParameterKind};
 use hypertexture_support::random::SplitMix;
@@ -41,6 +41,7 @@ pub(super) struct Loaded {
     pub(super) frame: FrameContext,
     pub(super) bounded: Box<BoundedProgram>,
     pub(super) values: Values,
+    program: Program,
     read: Vec<u64>,
 }
 
@@ -48,19 +49,24 @@ pub(super) fn loaded(scene: &Scene, library: &Library) -> Loaded {
     let frame = context(scene, library);
     let program = frame.variant.program(library, Linker::new).unwrap();
     let inputs = Inputs::new(library, &frame, &program, &|_| ()).unwrap();
-    let CellProver::Ready(mut bounded) = prover(library, &frame, |_| true) else { panic!("{}", frame.variant.key()) };
+    let CellProver::Ready(mut bounded) = prover(library, &frame, (&program, &inputs), |_| true) else {
+        panic!("{}", frame.variant.key())
+    };
     let values = inputs.stored().values(&frame, &SubFrame::all(scene).next().unwrap());
     let read = bounded.fill(&values, [values.time; 2]).unwrap();
-    Loaded { frame, bounded, values, read }
+    Loaded { frame, bounded, values, program, read }
 }
 
-/// A loaded prover.
-fn prover(library: &Library, frame: &FrameContext, pays: impl Fn(u64) -> bool) -> CellProver {
-    let program = frame.variant.program(library, Linker::new).unwrap();
-    let images = Inputs::new(library, frame, &program, &|_| ()).unwrap().images;
+/// A loaded prover of a program and its inputs.
+fn prover(
+    library: &Library,
+    frame: &FrameContext,
+    (program, inputs): (&Program, &Inputs),
+    pays: impl Fn(u64) -> bool,
+) -> CellProver {
     let image_of = |name: &str| {
         let binding = program.binding(name)?;
-        let (_, image) = images.iter().find(|(own, _)| *own == binding)?;
+        let (_, image) = inputs.images.iter().find(|(own, _)| *own == binding)?;
         let bits = 8 * image.format.bytes() as u32 / image.format.channels();
         let (name, channels, bytes) = (image.name.into(), image.format.channels(), image.bytes.len() as u64);
         Some(ImageInfo { name, size: image.dimension.size(), channels, bits, bytes })
@@ -76,8 +82,10 @@ fn what_decides_is_made_where_it_pays() {
     scene.object.resolution = 32;
     let frame = context(&scene, &library);
     let voxels = frame.subject.field.as_ref().unwrap().grid.size.iter().map(|side| u64::from(*side)).product();
+    let program = frame.variant.program(&library, Linker::new).unwrap();
+    let inputs = Inputs::new(&library, &frame, &program, &|_| ()).unwrap();
     for pays in [false, true] {
-        match prover(&library, &frame, |texels| pays && texels >= voxels) {
+        match prover(&library, &frame, (&program, &inputs), |texels| pays && texels >= voxels) {
             CellProver::Idle(texels) => assert!(!pays && texels >= voxels, "{texels} of {voxels}"),
             CellProver::Ready(made) => assert!(pays && made.texels >= voxels),
             CellProver::Loading(..) => panic!("it was waited for"),
@@ -115,8 +123,8 @@ pub(super) fn drawn(scene: &Scene, library: &Library, frame: &FrameContext) -> (
 /// Number of empty cells of a scene, and number of samples with matter in them.
 fn judge(scene: &Scene, side: u32, random: &mut SplitMix, samples: usize) -> (usize, usize) {
     let library = shader::shipped();
-    let Loaded { frame, bounded, .. } = loaded(scene, &library);
-    assert!(frame.variant.program(&library, Linker::new).unwrap().reads(bindings::CELLS), "{}", frame.variant.key());
+    let Loaded { frame, bounded, program, .. } = loaded(scene, &library);
+    assert!(program.reads(bindings::CELLS), "{}", frame.variant.key());
     let boxes = CellGrid::of(&frame, side);
     let empty = bounded.empty(&boxes, &|| false).unwrap().unwrap();
     let which: Vec<u32> = (0..side.pow(3)).filter(|&index| empty[index as usize]).collect();
