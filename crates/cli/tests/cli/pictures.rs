@@ -249,10 +249,11 @@ fn a_module_of_ones_own_that_gives_no_number_or_does_not_end_is_named() {
     let line = said.lines().find(|line| line.starts_with("module ")).unwrap();
     assert!(line.contains("dmf/swell.glsl gives NaN with swell_width = 0.3, swell_power = 0.5, for "), "{line}");
     let hot = |desk: &Desk| desk.write("hot.glsl", "vec3 medium(Sample s, float density) { return vec3(log(s.x.y)); }");
-    refused(hot, &[("render sphere -o out.png --effect fur --module medium=hot.glsl", &["medium/hot.glsl gives NaN"])]);
+    let line = format!("render sphere -o out.png --effect fur --module medium=hot.glsl {SMALL}");
+    refused(hot, &[(&line, &["medium/hot.glsl gives NaN"])]);
     let endless = |desk: &Desk| with(desk, "for (;;) density = fract(1.1 * density + s.x.x); return density;");
     let parts = ["dmf/swell.glsl:7", "more than 65535 turns with swell_width = 0.3, swell_power = 0.5", "end the loop"];
-    refused(endless, &[("render sphere -o out.png --dmf swell.glsl", &parts)]);
+    refused(endless, &[(&format!("render sphere -o out.png --dmf swell.glsl {SMALL}"), &parts)]);
 }
 
 #[test]

@@ -71,7 +71,7 @@ fn values_without_a_header_become_a_volume_of_any_format() {
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn what_a_picture_is_made_with_is_explained_with_what_leaving_out_saves() {
     let desk = Desk::new();
-    let said = desk.good("explain torus --effect clouds --pass march --size 128x128 --samples 256");
+    let said = desk.good("explain torus --effect clouds --pass march --size 96x96 --samples 256");
     let line =
         |start: &str| said.lines().find(|line| line.starts_with(start)).unwrap_or_else(|| panic!("{start}: {said}"));
     assert!(line("modules ").contains("warp=fractal"), "{said}");
