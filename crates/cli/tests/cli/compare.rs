@@ -253,7 +253,7 @@ fn m56_m57_a_full_comparison_has_every_strategy_and_every_column_of_table_3() {
         return eprintln!("skipped: 653 candidates take minutes; HYPERTEXTURE_WHOLE=1 measures them");
     }
     let desk = tempfile::tempdir().unwrap();
-    let output = run(desk.path(), "compare sphere --effect fire --thorough --sweep 16 --size 32x32 --repeat 2 -o r");
+    let output = run(desk.path(), "compare sphere --effect fire --thorough --sweep 16 --size 16x16 --repeat 1 -o r");
     let said = unexpected(&output);
     assert!(output.status.success() && said.is_empty(), "{said}");
     let all = rows(&desk.path().join("r/candidates.csv"));
