@@ -6,7 +6,7 @@ use crate::render::measurements::Measurements;
 use crate::render::subject::Subject;
 use crate::render::variant::Variant;
 use crate::scene::schema::{Kind, setting};
-use crate::scene::{Pass, Scene, ShaderStage, TargetFormat};
+use crate::scene::{Pass, Quality, Scene, ShaderStage, TargetFormat};
 use crate::shader::Library;
 use crate::shape::{self, Shape, Solid};
 use glam::Vec3;
@@ -17,6 +17,8 @@ const UNSEEN: f32 = 1.0 / 510.0;
 const CORE: f32 = 0.75;
 /// Quantization of a distance that shows in normals, in voxels: 8 bits over four voxels to each side.
 const TERRACE: f32 = 0.016;
+/// Ratio of the sides of a voxel from which its length shows.
+const LONG: f32 = 10.0;
 
 /// Warnings on a picture, one line each.
 pub fn warnings(m: &Measurements, variant: &Variant, subject: &Subject, library: &Library) -> Vec<String> {
@@ -29,7 +31,9 @@ pub fn warnings(m: &Measurements, variant: &Variant, subject: &Subject, library:
         lost_in_target(m, scene),
         not_computed(m, variant, library),
         m.replaced.clone(),
+        one_sample(scene),
         terraces(m, subject),
+        long_voxels(scene, subject),
         thin_shell(scene, subject),
         guessed_sign(scene, subject),
         eye_inside(variant, subject, library),
@@ -122,6 +126,31 @@ fn lost_in_target(m: &Measurements, scene: &Scene) -> Option<String> {
     })
 }
 
+/// A ray has a single sample.
+fn one_sample(scene: &Scene) -> Option<String> {
+    (scene.quality.samples == 1).then(|| {
+        format!(
+            "quality.samples = 1: one sample of a ray stands for all that lies along it; a larger --samples, {} by default, \
+             shows more of that",
+            Quality::default().samples
+        )
+    })
+}
+
+/// A stretch makes voxels much longer than they are wide.
+fn long_voxels(scene: &Scene, subject: &Subject) -> Option<String> {
+    let stretch = Vec3::from(scene.object.stretch);
+    let sides = subject.field.as_ref()?.grid.spacing * stretch;
+    let ratio = sides.max_element() / sides.min_element();
+    (stretch != Vec3::ONE && ratio > LONG).then(|| {
+        format!(
+            "object.stretch = {:?} makes each voxel of the field {ratio:.0} times as long along one axis as along another, \
+             and detail along that axis is lost; a file of the stretched object has cubes for voxels",
+            scene.object.stretch
+        )
+    })
+}
+
 /// Normals show the quantization of distances.
 fn terraces(m: &Measurements, subject: &Subject) -> Option<String> {
     let voxel = subject.scale * subject.field.as_ref()?.grid.spacing.min_element();
@@ -178,4 +207,40 @@ fn guessed_sign(scene: &Scene, subject: &Subject) -> Option<String> {
             report.open_edges
         )
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::preset;
+    use crate::shader;
+
+    /// The warnings on a picture of a small field after a change.
+    fn said(change: impl FnOnce(&mut Scene)) -> String {
+        let (library, mut scene) = (shader::shipped(), preset("lit").unwrap());
+        (scene.object.input, scene.object.resolution) = ("knot".into(), 16);
+        change(&mut scene);
+        let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
+        let variant = Variant::of(&scene, &library).unwrap();
+        warnings(&Measurements::default(), &variant, &subject, &library).join("\n")
+    }
+
+    #[test]
+    fn one_sample_of_a_ray_is_told() {
+        let line = said(|scene| scene.quality.samples = 1);
+        assert!(
+            line.contains("quality.samples = 1: one sample") && line.contains("--samples, 256 by default"),
+            "{line}"
+        );
+        assert!(!said(|scene| scene.quality.samples = 2).contains("quality.samples"));
+    }
+
+    #[test]
+    fn a_stretch_of_voxels_is_told_with_its_ratio() {
+        let line = said(|scene| scene.object.stretch = [20.0, 0.05, 1.0]);
+        let parts =
+            ["object.stretch = [20.0, 0.05, 1.0] makes each voxel", "400 times as long", "a file of the stretched"];
+        assert!(parts.iter().all(|part| line.contains(part)), "{line}");
+        assert!(!said(|scene| scene.object.stretch = [2.0, 1.0, 0.5]).contains("object.stretch"));
+    }
 }
