@@ -4,6 +4,7 @@ use super::error::reason;
 use super::renamed;
 use super::schema::{Changes, float, setting};
 use super::{Scene, SceneError};
+use std::collections::BTreeMap;
 use toml::{Table, Value};
 
 impl Scene {
@@ -56,11 +57,11 @@ impl Scene {
     /// Fields that differ from `base`, with their values; `None` for a missing field.
     pub fn difference(&self, base: &Scene) -> Vec<(String, Option<Value>)> {
         let (before, after) = (base.fields(), self.fields());
-        let find = |fields: &[(String, Value)], name: &str| {
-            fields.iter().find(|(other, _)| other == name).map(|(_, value)| value.clone())
-        };
-        let gone = before.iter().filter(|(name, _)| find(&after, name).is_none()).map(|(name, _)| (name.clone(), None));
-        let new = after.iter().filter(|(name, value)| find(&before, name).as_ref() != Some(value));
+        let [had, has] = [&before, &after]
+            .map(|fields| fields.iter().map(|(name, value)| (name.as_str(), value)).collect::<BTreeMap<_, _>>());
+        let gone =
+            before.iter().filter(|(name, _)| !has.contains_key(name.as_str())).map(|(name, _)| (name.clone(), None));
+        let new = after.iter().filter(|(name, value)| had.get(name.as_str()) != Some(&value));
         gone.chain(new.map(|(name, value)| (name.clone(), Some(value.clone())))).collect()
     }
 
