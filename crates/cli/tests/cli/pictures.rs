@@ -361,10 +361,10 @@ fn the_command_under_a_picture_of_the_gallery_makes_that_picture() {
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p58_a_gallery_without_an_object_has_every_figure_under_its_paper() {
     let desk = Desk::new();
-    desk.good("gallery -o dir --size 16x16 --samples 16 --resolution 24");
-    let page = fs::read_to_string(desk.file("dir/index.html")).unwrap();
+    desk.good("gallery --size 16x16 --samples 16 --resolution 24");
+    let page = fs::read_to_string(desk.file("out/index.html")).unwrap();
     for name in hypertexture::scene::names() {
-        assert_eq!(size_of(&desk.file(&format!("dir/{name}.png"))), (16, 16));
+        assert_eq!(size_of(&desk.file(&format!("out/{name}.png"))), (16, 16));
         assert!(page.contains(&format!("hypertexture render {name} ")), "no command for {name}");
     }
     let place = |text: &str| page.find(text).unwrap_or_else(|| panic!("`{text}` is not on the page"));
