@@ -351,8 +351,8 @@ fn m57_samples_that_the_device_lacks_are_refused_with_those_it_has() {
                 }
             }
         }
-        // The software driver that the tests are pinned to.
-        assert!(!gpu.info().name.contains("llvmpipe") || counts == [1, 4], "{counts:?}");
+        // The software driver that the tests are pinned to, whose newer versions have 8 too.
+        assert!(!gpu.info().name.contains("llvmpipe") || counts.starts_with(&[1, 4]), "{counts:?}");
     });
 }
 
