@@ -49,6 +49,7 @@ mod tank;
 pub mod teapot;
 mod teapot_data;
 mod texture;
+mod textures;
 mod vdb;
 mod volume;
 mod write_mesh;

@@ -7,9 +7,10 @@
 use super::Mesh;
 use super::error::{Location, ShapeError, quoted};
 use super::looks::linear;
-use super::paint::{Material, Spot, Textures, check_spots};
+use super::paint::{Material, Spot};
 use super::source::{Source, is_absolute, number, tokens};
-use super::texture::{Texture, Wrap};
+use super::texture::Wrap;
+use super::textures::{Textures, check_spots, decode_texture};
 use foldhash::HashMap;
 use glam::DVec3;
 use std::path::Path;
@@ -174,7 +175,7 @@ impl Faces {
             let texture = textures.named(source, map.file.clone(), || {
                 source.beside(&source.found(&map.file), |part| {
                     let bytes = part.block(part.len, "a picture")?;
-                    Texture::decode(part, place.clone(), &bytes)
+                    decode_texture(part, place.clone(), &bytes)
                 })
             });
             let texture = Some(texture.map_err(|error| error.placed(place))?);

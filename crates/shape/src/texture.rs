@@ -1,15 +1,8 @@
-//! Textures: pictures in PNG and JPEG, as texels in linear light.
+//! Textures: texels in linear light.
 
-use super::error::{Location, ShapeError, quoted, shown};
 use super::looks::linear;
-use super::source::Source;
 use half::f16;
-use jpeg_decoder::PixelFormat;
-use png::{ColorType, Transformations};
-use std::io::Cursor;
 
-/// Most pixels of a picture.
-const MAX_PIXELS: u64 = 1 << 26;
 /// Most texels along a side; a voxel of a groom is larger than a texel still. Pixels of larger pictures are averaged.
 const MAX_TEXELS: usize = 1024;
 
@@ -45,58 +38,8 @@ pub(super) struct Texture {
 }
 
 impl Texture {
-    /// Decodes the picture at `place` of a source.
-    pub fn decode(source: &Source, place: Location, bytes: &[u8]) -> Result<Texture, ShapeError> {
-        let damaged = |reason: String| source.malformed_at(place.clone(), "a whole picture in PNG or JPEG", reason);
-        let check = |width: u32, height: u32| match u64::from(width) * u64::from(height) {
-            0 => Err(damaged("one without pixels".into())),
-            1..=MAX_PIXELS => Ok([width, height].map(|side| side as usize)),
-            _ => {
-                let (found, remedy) = (format!("of {width} x {height} pixels"), "scale it to at most 8192 x 8192");
-                Err(source.unsupported(place.clone(), "a picture", found, remedy))
-            }
-        };
-        if bytes.starts_with(b"\x89PNG") {
-            let limits = png::Limits { bytes: 8 * MAX_PIXELS as usize };
-            let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), limits);
-            decoder.set_transformations(Transformations::normalize_to_color8());
-            let mut reader = decoder.read_info().map_err(|error| damaged(shown(&error.to_string())))?;
-            let size = check(reader.info().width, reader.info().height)?;
-            let mut pixels = vec![0; reader.output_buffer_size().unwrap_or_default()];
-            let frame = reader.next_frame(&mut pixels).map_err(|error| damaged(shown(&error.to_string())))?;
-            let samples = frame.color_type.samples();
-            let is_gray = matches!(frame.color_type, ColorType::Grayscale | ColorType::GrayscaleAlpha);
-            return Ok(Texture::reduced(size, &pixels, samples, is_gray));
-        }
-        if bytes.starts_with(b"\xff\xd8\xff") {
-            let fault = |error: jpeg_decoder::Error| match error {
-                jpeg_decoder::Error::Unsupported(feature) => {
-                    let remedy = "save it as PNG";
-                    source.unsupported(place.clone(), "JPEG with", format!("{feature:?}"), remedy)
-                }
-                error => damaged(shown(&error.to_string())),
-            };
-            let mut decoder = jpeg_decoder::Decoder::new(bytes);
-            decoder.set_max_decoding_buffer_size(4 * MAX_PIXELS as usize);
-            decoder.read_info().map_err(fault)?;
-            let info = decoder.info().ok_or_else(|| damaged("one without a frame".into()))?;
-            let size = check(info.width.into(), info.height.into())?;
-            let samples = match info.pixel_format {
-                PixelFormat::L8 => 1,
-                PixelFormat::RGB24 => 3,
-                format => {
-                    let remedy = "save it as PNG";
-                    return Err(source.unsupported(place, "JPEG of", format!("{format:?}"), remedy));
-                }
-            };
-            return Ok(Texture::reduced(size, &decoder.decode().map_err(fault)?, samples, samples == 1));
-        }
-        let (found, remedy) = (quoted(&bytes[..bytes.len().min(12)]), "save it as PNG or JPEG");
-        Err(source.unsupported(place, "the format of a picture that begins with", found, remedy))
-    }
-
     /// Pixels of one byte in each of their samples, averaged to at most [`MAX_TEXELS`] a side.
-    fn reduced([width, height]: [usize; 2], pixels: &[u8], samples: usize, is_gray: bool) -> Texture {
+    pub fn reduced([width, height]: [usize; 2], pixels: &[u8], samples: usize, is_gray: bool) -> Texture {
         let light: [f32; 256] = std::array::from_fn(|code| linear(code as f64 / 255.0));
         let size = [width, height].map(|side| side.min(MAX_TEXELS));
         let mut sums = vec![[0.0_f32; 4]; size[0] * size[1]];

@@ -9,9 +9,10 @@ use super::document::{Text, entry, json_as, list, malformed, unsupported};
 use crate::SampleType::{F32, I8, I16, U8, U16};
 use crate::error::{Location, ShapeError};
 use crate::looks::channel;
-use crate::paint::{self, Spot, Textures, check_spots};
+use crate::paint::{self, Spot};
 use crate::source::Source;
 use crate::texture::{Texture, Wrap};
+use crate::textures::{Textures, check_spots, decode_texture};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -253,11 +254,11 @@ impl<'a> Materials<'a> {
         let decoded = textures.named(source, image.to_string(), || match (&own.uri, own.buffer_view) {
             (_, Some(view)) => {
                 let (_, bytes) = data.view(view, || at(".bufferView"))?;
-                Texture::decode(source, Location::Json(at("")), bytes)
+                decode_texture(source, Location::Json(at("")), bytes)
             }
             (Some(uri), None) => {
                 let bytes = data.load(&uri.0, None, || at(".uri"))?;
-                Texture::decode(source, Location::Json(at(".uri")), &bytes)
+                decode_texture(source, Location::Json(at(".uri")), &bytes)
             }
             (None, None) => Err(malformed(source, at(""), "a picture in a file or a view", "none")),
         })?;
