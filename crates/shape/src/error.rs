@@ -2,7 +2,7 @@
 //!
 //! Invariant: every message is one line with the file, the place if it is known, the value found, the limit, and the remedy.
 
-use super::BUILT_IN;
+use crate::built_in::BUILT_IN;
 use hypertexture_support::open::OpenError;
 use hypertexture_support::words;
 use std::{fmt, io};

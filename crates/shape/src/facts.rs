@@ -2,7 +2,10 @@
 //!
 //! Invariant: depends on the file alone, not on the settings of a scene.
 
-use super::{Content, Groom, Histogram, Mesh, Opened, Shape, ShapeError, Solid, Volume};
+use crate::error::ShapeError;
+use crate::groom::Groom;
+use crate::open::Opened;
+use crate::shape::{Content, Histogram, Mesh, Shape, Solid, Volume};
 use glam::{DVec3, Vec3};
 use hypertexture_support::significant;
 use serde::Serialize;

@@ -1,6 +1,7 @@
 //! Checked construction of meshes and volumes in memory.
 
-use super::{Content, MAX_COORDINATE, Mesh, ShapeError, Volume};
+use crate::error::ShapeError;
+use crate::shape::{Content, MAX_COORDINATE, Mesh, Volume};
 use glam::{Mat3, Vec3};
 
 /// Prefix of the input name of an object in memory; the hash of its contents follows.

@@ -2,9 +2,13 @@
 //!
 //! Invariant: only plain files are opened; content decides the format before the extension.
 
-use super::error::{Location, quoted, shown, unreadable};
-use super::source::Source;
-use super::{BUILT_IN, MEMORY, Shape, ShapeError, built_in, dicom, gltf, meta, nifti, nrrd, obj, ply, raw, stl, vdb};
+use crate::built_in::{self, BUILT_IN};
+use crate::error::{Location, ShapeError, quoted, shown, unreadable};
+use crate::from_memory::MEMORY;
+use crate::mesh::{gltf, obj, ply, stl};
+use crate::shape::Shape;
+use crate::source::Source;
+use crate::volume::{dicom, meta, nifti, nrrd, raw, vdb};
 use hypertexture_support::open::{self as plain, OpenError};
 use hypertexture_support::words::nearest;
 use std::io::{BufRead, BufReader};

@@ -3,8 +3,8 @@
 //! Role: lines and blocks with their place in the file, and checks shared by all formats. Invariant: no memory is allocated for
 //! a count that is only declared.
 
-use super::error::{Found, Location, ShapeError, quoted, shown, unreadable};
-use super::{MAX_COORDINATE, MAX_TRIANGLES, Mesh, Shape};
+use crate::error::{Found, Location, ShapeError, quoted, shown, unreadable};
+use crate::shape::{MAX_COORDINATE, MAX_TRIANGLES, Mesh, Shape};
 use glam::DVec3;
 use hypertexture_support::open::{self, Home, MARK, OpenError};
 use std::cell::RefCell;
