@@ -65,7 +65,7 @@ pub struct Prediction {
 /// # Errors
 /// As [`hypertexture::render::render`].
 pub fn predict(renderer: &mut Renderer, scene: &Scene) -> Result<Prediction, RenderError> {
-    renderer.preview_of(scene.image.size);
+    renderer.set_full_size(scene.image.size);
     let longest = scene.image.size[0].max(scene.image.size[1]);
     let mut side = FIRST_SIDE.min(longest);
     let mut render = |side: u32| -> Result<Measurements, RenderError> {

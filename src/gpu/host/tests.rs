@@ -191,7 +191,7 @@ fn moving_frames_of_a_host_are_recorded_without_a_wait() {
         (scene.image.size, scene.quality.samples, scene.quality.pass) = (SIZE, 48, Pass::March);
         let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
         let mut renderer = Renderer::new(&gpu, &library, &subject);
-        renderer.preview_of([640, 480]); // cells pay
+        renderer.set_full_size([640, 480]); // cells pay
         while !renderer.is_recordable_with_depth(&scene, FORMAT).unwrap() {
             std::thread::sleep(std::time::Duration::from_millis(5));
         }

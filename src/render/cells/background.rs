@@ -169,7 +169,7 @@ impl Proven {
 }
 
 impl Job {
-    /// Loads the prover if necessary, and proves cells if they pay, unless told to `stop`.
+    /// Loads the prover if necessary. Proves cells if the estimated saving exceeds the cost, until `stop` returns true.
     fn prove(
         self,
         mut prover: CellProver,

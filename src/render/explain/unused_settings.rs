@@ -60,8 +60,8 @@ pub fn unused_overrides(library: &Library, subject: &Subject, base: &Scene, scen
 
 /// Settings of a scene whose value changes no bit of its picture, since its programs do not read them. Tries the ends
 /// of a number's usual range, and all valid choices without parameters of absent modules. A value that selects another
-/// program counts as a change. Never lists texts, `quality` or `image`. Returns an empty list when `is_over` returns
-/// true.
+/// program counts as a change. Never lists texts, `quality` or `image`. Returns an empty list when `is_cancelled`
+/// returns true.
 pub fn unused_settings(
     library: &Library,
     subject: &Subject,

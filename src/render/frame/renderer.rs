@@ -91,13 +91,13 @@ impl Renderer {
         self.stop = Arc::new(stop);
     }
 
-    /// Renders previews: empty cells are chosen as for a picture of `size`.
-    pub fn preview_of(&mut self, size: [u32; 2]) {
+    /// Sets the size of the finished picture, by which previews choose empty cells.
+    pub fn set_full_size(&mut self, size: [u32; 2]) {
         self.whole = Some(size);
     }
 
-    /// Takes what is painted on the object since. During a `stroke`, pictures are drawn without empty cells, whose proofs
-    /// take longer.
+    /// Replaces the groom that is painted on the object. During a `stroke`, pictures are drawn without empty cells,
+    /// whose proofs take longer.
     ///
     /// # Errors
     /// Memory of the device is exhausted.
