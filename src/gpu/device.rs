@@ -6,7 +6,7 @@ use super::physical::{choose, create_device};
 use super::{DeviceInfo, Format, GpuError, Messages, Named};
 use ash::vk;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
-use hypertexture_support::disk_cache::{self, Kind};
+use hypertexture_support::disk_cache::{self, CacheKind};
 use hypertexture_support::faults;
 use std::ffi::c_char;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
 
 /// Cache of compiled pipelines: one file per driver, never evicted.
-const PIPELINES: Kind = Kind { ends: &[], limit: 256 << 20 };
+const PIPELINES: CacheKind = CacheKind { ends: &[], limit: 256 << 20 };
 
 /// Options for opening a device.
 #[derive(Clone, Debug, Default)]

@@ -2,7 +2,7 @@
 
 use super::{Integration, Pass, Scene, Storage};
 use crate::shader::declare::Outside;
-use crate::shader::{Declarations, Kind, Library};
+use crate::shader::{Declarations, DmfKind, Library};
 
 /// Declarations of a module. Empty if they are malformed, as the check of the scene reports.
 pub(super) fn header(library: &Library, slot: &str, module: &str) -> Declarations {
@@ -41,7 +41,7 @@ impl Scene {
     /// the distance.
     pub(super) fn has_cells(&self, library: &Library) -> bool {
         let effect = &self.effect;
-        let by_distance = |dmf: &String| library.kind(dmf) == Ok(Kind::PositionIndependent);
+        let by_distance = |dmf: &String| library.kind(dmf) == Ok(DmfKind::PositionIndependent);
         let moves = !effect.warp.is_empty() || !effect.dmf.iter().all(by_distance) || self.has_several();
         moves && self.has_points(library)
     }

@@ -371,9 +371,9 @@ fn p04_a_dmf_changes_with_what_its_kind_says_and_with_nothing_else() {
             let seen = seen_with(gpu, &by_sample, &text, |scene| scene.effect.project = "by_sample".into());
             let changes = |channel: usize| seen.iter().filter(|(_, color)| color[channel] > 1e-3).count() > 100;
             let found = match (changes(0), changes(1)) {
-                (false, false) => shader::Kind::PositionIndependent,
-                (true, false) => shader::Kind::PositionDependent,
-                (_, true) => shader::Kind::GeometryDependent,
+                (false, false) => shader::DmfKind::PositionIndependent,
+                (true, false) => shader::DmfKind::PositionDependent,
+                (_, true) => shader::DmfKind::GeometryDependent,
             };
             assert_eq!(library.kind(dmf).unwrap(), found, "{dmf}");
         }

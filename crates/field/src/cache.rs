@@ -15,16 +15,16 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// A kind of file: magic, file extension, and decoding of a sample.
-struct Kind<T, const BYTES: usize> {
+struct FileKind<T, const BYTES: usize> {
     magic: &'static [u8; 8],
     extension: &'static str,
     sample: fn([u8; BYTES]) -> T,
 }
 
 /// Distances.
-const FIELD: Kind<f32, 4> = Kind { magic: b"HYPERFLD", extension: "field", sample: f32::from_le_bytes };
+const FIELD: FileKind<f32, 4> = FileKind { magic: b"HYPERFLD", extension: "field", sample: f32::from_le_bytes };
 /// Closest points.
-const CLOSEST: Kind<Vec3, 12> = Kind {
+const CLOSEST: FileKind<Vec3, 12> = FileKind {
     magic: b"HYPERCPT",
     extension: "closest",
     sample: |bytes| Vec3::from_array(bytemuck::cast::<_, [[u8; 4]; 3]>(bytes).map(f32::from_le_bytes)),
@@ -34,7 +34,8 @@ const VERSION: u32 = 6;
 /// Magic, version, key, size, origin, spacing and five counts, followed by the samples.
 const HEADER_BYTES: usize = 8 + 4 + 32 + 12 + 12 + 12 + 5 * 8;
 /// Lower evicts scans at a high resolution too early; higher fills disks.
-const CACHE: disk_cache::Kind = disk_cache::Kind { ends: &[FIELD.extension, CLOSEST.extension], limit: 2 << 30 };
+const CACHE: disk_cache::CacheKind =
+    disk_cache::CacheKind { ends: &[FIELD.extension, CLOSEST.extension], limit: 2 << 30 };
 
 /// Hash of a field's inputs: geometry and values of the shape, the request, and the version.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -156,7 +157,7 @@ fn cached(
 }
 
 /// The samples stored under `key`. Logs a warning if a file is damaged or cannot be read.
-fn read<T, const BYTES: usize>(kind: &Kind<T, BYTES>, key: &Key, folder: &Path) -> Option<Stored<T>> {
+fn read<T, const BYTES: usize>(kind: &FileKind<T, BYTES>, key: &Key, folder: &Path) -> Option<Stored<T>> {
     let path = key.file(kind.extension, folder);
     match disk_cache::read(&path, CACHE) {
         Ok(bytes) => {
@@ -173,7 +174,7 @@ fn read<T, const BYTES: usize>(kind: &Kind<T, BYTES>, key: &Key, folder: &Path) 
 }
 
 /// Stores samples under `key`, or logs a warning.
-fn store<T, const BYTES: usize>(kind: &Kind<T, BYTES>, key: &Key, folder: &Path, input: Unstored<'_>) {
+fn store<T, const BYTES: usize>(kind: &FileKind<T, BYTES>, key: &Key, folder: &Path, input: Unstored<'_>) {
     let path = key.file(kind.extension, folder);
     if let Err(error) = disk_cache::write(&path, encode(kind, key, input), CACHE) {
         disk_cache::warn(folder, &error);
@@ -189,7 +190,11 @@ type Stored<T> = (Grid, Vec<T>, FieldReport);
 /// Grid, samples as floats and statistics, to be stored.
 type Unstored<'a> = (&'a Grid, &'a [f32], &'a FieldReport);
 
-fn encode<T, const BYTES: usize>(kind: &Kind<T, BYTES>, key: &Key, (grid, values, report): Unstored<'_>) -> Vec<u8> {
+fn encode<T, const BYTES: usize>(
+    kind: &FileKind<T, BYTES>,
+    key: &Key,
+    (grid, values, report): Unstored<'_>,
+) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(HEADER_BYTES + 4 * values.len());
     bytes.extend_from_slice(kind.magic);
     bytes.extend_from_slice(&VERSION.to_le_bytes());
@@ -205,7 +210,7 @@ fn encode<T, const BYTES: usize>(kind: &Kind<T, BYTES>, key: &Key, (grid, values
     bytes
 }
 
-fn decode<T, const BYTES: usize>(kind: &Kind<T, BYTES>, bytes: &[u8], key: &Key) -> Option<Stored<T>> {
+fn decode<T, const BYTES: usize>(kind: &FileKind<T, BYTES>, bytes: &[u8], key: &Key) -> Option<Stored<T>> {
     let (header, payload) = bytes.split_at_checked(HEADER_BYTES)?;
     let head = header.strip_prefix(kind.magic)?.strip_prefix(&VERSION.to_le_bytes())?.strip_prefix(&key.0)?;
     let (geometry, counts) = head.split_at_checked(36)?;

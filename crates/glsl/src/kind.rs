@@ -11,7 +11,7 @@ use std::fmt;
 
 /// Kind of a DMF, by the parts of a sample that it reads besides the density.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Kind {
+pub enum DmfKind {
     /// Density only: f(k).
     PositionIndependent,
     /// Position: f(x).
@@ -20,16 +20,16 @@ pub enum Kind {
     GeometryDependent,
 }
 
-impl Kind {
-    const ALL: [Kind; 3] = [Kind::PositionIndependent, Kind::PositionDependent, Kind::GeometryDependent];
+impl DmfKind {
+    const ALL: [DmfKind; 3] = [DmfKind::PositionIndependent, DmfKind::PositionDependent, DmfKind::GeometryDependent];
 }
 
-impl fmt::Display for Kind {
+impl fmt::Display for DmfKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Kind::PositionIndependent => "position-independent",
-            Kind::PositionDependent => "position-dependent",
-            Kind::GeometryDependent => "geometry-dependent",
+            DmfKind::PositionIndependent => "position-independent",
+            DmfKind::PositionDependent => "position-dependent",
+            DmfKind::GeometryDependent => "geometry-dependent",
         })
     }
 }
@@ -51,20 +51,20 @@ impl Library {
     ///
     /// # Errors
     /// The module does not exist, or its header claims another kind.
-    pub fn kind(&self, dmf: &str) -> Result<Kind, LibraryError> {
+    pub fn kind(&self, dmf: &str) -> Result<DmfKind, LibraryError> {
         let path = self.path("dmf", dmf)?;
-        let (mut queue, mut seen, mut found) = (vec![path.clone()], BTreeSet::new(), Kind::PositionIndependent);
+        let (mut queue, mut seen, mut found) = (vec![path.clone()], BTreeSet::new(), DmfKind::PositionIndependent);
         while let Some(file) = queue.pop() {
             let text = self.source(&file).unwrap_or_default();
             let read = fields(text, "Sample").into_iter().map(|field| match field {
-                "density" => Kind::PositionIndependent,
-                "x" => Kind::PositionDependent,
-                _ => Kind::GeometryDependent,
+                "density" => DmfKind::PositionIndependent,
+                "x" => DmfKind::PositionDependent,
+                _ => DmfKind::GeometryDependent,
             });
-            found = read.fold(found, Kind::max);
+            found = read.fold(found, DmfKind::max);
             for line in text.lines() {
                 match include(line) {
-                    Some(Include::Slot("project")) => found = Kind::GeometryDependent,
+                    Some(Include::Slot("project")) => found = DmfKind::GeometryDependent,
                     Some(Include::File(file)) if seen.insert(file.to_string()) => queue.push(file.into()),
                     _ => {}
                 }
@@ -73,7 +73,7 @@ impl Library {
         let header: String =
             self.source(&path).unwrap_or_default().lines().take_while(|line| line.starts_with("//")).collect();
         let header = header.to_lowercase();
-        let claims: Vec<Kind> = Kind::ALL.into_iter().filter(|kind| header.contains(&kind.to_string())).collect();
+        let claims: Vec<DmfKind> = DmfKind::ALL.into_iter().filter(|kind| header.contains(&kind.to_string())).collect();
         match claims.as_slice() {
             [claimed] if *claimed != found => {
                 Err(LibraryError::Kind { path, claimed: claimed.to_string(), found: found.to_string() })
@@ -94,17 +94,17 @@ mod tests {
         let of = |kind| {
             library.modules("dmf").into_iter().filter(|dmf| library.kind(dmf).unwrap() == kind).collect::<Vec<_>>()
         };
-        assert_eq!(of(Kind::PositionIndependent), ["biased", "folded", "gained", "scaled", "waves"]);
-        assert_eq!(of(Kind::PositionDependent), ["fractal", "noisy", "traded", "turbulent"]);
-        assert_eq!(of(Kind::GeometryDependent), ["fire", "fur", "settled", "tribble", "woven"]);
+        assert_eq!(of(DmfKind::PositionIndependent), ["biased", "folded", "gained", "scaled", "waves"]);
+        assert_eq!(of(DmfKind::PositionDependent), ["fractal", "noisy", "traded", "turbulent"]);
+        assert_eq!(of(DmfKind::GeometryDependent), ["fire", "fur", "settled", "tribble", "woven"]);
     }
 
     #[test]
     fn p04_a_header_that_claims_another_kind_is_refused() {
         let with = |text: &str| shipped().with_module("dmf", "mine", text).kind("mine");
         let body = "float mine(float density, Sample point) { return density * point.x.y; }\n";
-        assert_eq!(with(body), Ok(Kind::PositionDependent));
-        assert_eq!(with(&format!("// Position-dependent.\n{body}")), Ok(Kind::PositionDependent));
+        assert_eq!(with(body), Ok(DmfKind::PositionDependent));
+        assert_eq!(with(&format!("// Position-dependent.\n{body}")), Ok(DmfKind::PositionDependent));
         let error = with(&format!("// Mine: position-independent, f(k).\n{body}")).unwrap_err().to_string();
         assert_eq!(
             error,

@@ -31,7 +31,7 @@ pub use count::counting;
 pub use declare::{Declarations, Parameter, ParameterKind};
 pub use error::{LibraryError, LinkError};
 pub use formula::{Formula, FormulaError};
-pub use kind::Kind;
+pub use kind::DmfKind;
 pub use library::Library;
 pub use link::{Linker, linked_text};
 pub use names::{find_word, is_reserved, members, reserved, suffixed, tokens};

@@ -16,7 +16,7 @@ const HASH_BYTES: usize = 32;
 
 /// A kind of cached files, evicted together.
 #[derive(Clone, Copy, Debug)]
-pub struct Kind {
+pub struct CacheKind {
     /// File extensions; [`load`] and [`save`] use the first.
     pub ends: &'static [&'static str],
     /// Largest total size in bytes, enforced by evicting the least recently used. No longer file is read.
@@ -32,12 +32,12 @@ pub fn default_folder() -> Option<PathBuf> {
 }
 
 /// The bytes saved under a key.
-pub fn load(kind: Kind, key: blake3::Hash) -> Option<Vec<u8>> {
+pub fn load(kind: CacheKind, key: blake3::Hash) -> Option<Vec<u8>> {
     read(&file(&default_folder()?, kind, key), kind).ok()?
 }
 
 /// Saves bytes under a key, if possible.
-pub fn save(kind: Kind, key: blake3::Hash, bytes: &[u8]) {
+pub fn save(kind: CacheKind, key: blake3::Hash, bytes: &[u8]) {
     if let Some(folder) = default_folder()
         && let Err(error) = write(&file(&folder, kind, key), bytes.to_vec(), kind)
     {
@@ -54,7 +54,7 @@ pub fn warn(folder: &Path, error: &io::Error) {
     });
 }
 
-fn file(folder: &Path, kind: Kind, key: blake3::Hash) -> PathBuf {
+fn file(folder: &Path, kind: CacheKind, key: blake3::Hash) -> PathBuf {
     folder.join(format!("{}.{}", key.to_hex(), kind.ends[0]))
 }
 
@@ -62,7 +62,7 @@ fn file(folder: &Path, kind: Kind, key: blake3::Hash) -> PathBuf {
 ///
 /// # Errors
 /// I/O errors.
-pub fn read(path: &Path, kind: Kind) -> Result<Option<Vec<u8>>, OpenError> {
+pub fn read(path: &Path, kind: CacheKind) -> Result<Option<Vec<u8>>, OpenError> {
     if !fs::symlink_metadata(path)?.is_file() {
         return Ok(None);
     }
@@ -90,7 +90,7 @@ fn hash_of(path: &Path, content: &[u8]) -> blake3::Hash {
 ///
 /// # Errors
 /// I/O errors.
-pub fn write(path: &Path, mut bytes: Vec<u8>, kind: Kind) -> io::Result<()> {
+pub fn write(path: &Path, mut bytes: Vec<u8>, kind: CacheKind) -> io::Result<()> {
     let folder = path.parent().unwrap_or(Path::new("."));
     fs::create_dir_all(folder)?;
     let hash = hash_of(path, &bytes);
@@ -103,7 +103,7 @@ pub fn write(path: &Path, mut bytes: Vec<u8>, kind: Kind) -> io::Result<()> {
 }
 
 /// Sweeps a folder and removes the least recently used files of a kind beyond its limit.
-fn evict(folder: &Path, kind: Kind) -> io::Result<()> {
+fn evict(folder: &Path, kind: CacheKind) -> io::Result<()> {
     sweep(folder);
     let mut files = Vec::new();
     for entry in fs::read_dir(folder)? {
@@ -131,15 +131,15 @@ fn evict(folder: &Path, kind: Kind) -> io::Result<()> {
 mod tests {
     use super::*;
 
-    fn save_to(folder: &Path, kind: Kind, key: blake3::Hash, bytes: &[u8]) {
+    fn save_to(folder: &Path, kind: CacheKind, key: blake3::Hash, bytes: &[u8]) {
         let _ = write(&file(folder, kind, key), bytes.to_vec(), kind);
     }
 
-    fn load_from(folder: &Path, kind: Kind, key: blake3::Hash) -> Option<Vec<u8>> {
+    fn load_from(folder: &Path, kind: CacheKind, key: blake3::Hash) -> Option<Vec<u8>> {
         read(&file(folder, kind, key), kind).ok()?
     }
 
-    const KIND: Kind = Kind { ends: &["test"], limit: 200 };
+    const KIND: CacheKind = CacheKind { ends: &["test"], limit: 200 };
 
     #[test]
     fn saved_files_are_loaded_and_damaged_ones_are_not() {

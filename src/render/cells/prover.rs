@@ -10,7 +10,7 @@ use crate::render::error::RenderError;
 use crate::render::inputs::{ImageInfo, Inputs, Values, apart, blocks_at, texture, wrap};
 use crate::render::variant::{OCTAVES_ID, Program, Purpose, Resource, Variant, VariantError};
 use crate::shader::{Library, Linker};
-use hypertexture_support::disk_cache::{self, Kind};
+use hypertexture_support::disk_cache::{self, CacheKind};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -40,7 +40,7 @@ pub(super) const STACK: usize = 16 << 20;
 /// Shortest time of a proof that is kept on disk, milliseconds. Lower: dragging a slider fills the disk.
 const KEPT_FROM_MS: f64 = 20.0;
 /// Some ten thousand proofs.
-const KIND: Kind = Kind { ends: &["cells"], limit: 64 << 20 };
+const KIND: CacheKind = CacheKind { ends: &["cells"], limit: 64 << 20 };
 /// Increment when proofs change.
 const VERSION: u32 = 3;
 

@@ -14,7 +14,7 @@ use crate::render::variant::{Program, Variant};
 use crate::scene::{Pass, ShaderStage};
 use crate::shader::slots::FOLDED;
 use crate::shader::{Library, Linker, Slots};
-use hypertexture_support::disk_cache::{self, Kind};
+use hypertexture_support::disk_cache::{self, CacheKind};
 use std::collections::BTreeMap;
 
 /// Samples of a picture from which on a trial pays. Higher: pictures of 300 x 300 are never tried. Lower: compiling the
@@ -27,7 +27,7 @@ const RUNS: usize = 3;
 /// Share of the time of the present way that another must stay below.
 const BETTER: f64 = 0.95;
 /// Files of choices, one byte each.
-const KIND: Kind = Kind { ends: &["way"], limit: 1 << 20 };
+const KIND: CacheKind = CacheKind { ends: &["way"], limit: 1 << 20 };
 
 /// A way to draw rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -8,7 +8,7 @@ use crate::gpu::{Dimension, Format};
 use crate::noise::{Bake, Block, Noise, SEED, Weights, blue_noise, random_block, random_mean as mean_of_random};
 use crate::render::texture::{self, Depth};
 use crate::scene::{BlockFormat, Scene};
-use hypertexture_support::disk_cache::{self, Kind};
+use hypertexture_support::disk_cache::{self, CacheKind};
 use std::iter;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
@@ -19,7 +19,7 @@ const VERSION: u32 = 1;
 /// Lowest side of blocks in the disk cache; smaller ones are computed faster than read.
 const KEPT_FROM: u32 = 64;
 /// Lower: two blocks of 256^3 texels evict each other. Higher: the cache fills the disk.
-const KIND: Kind = Kind { ends: &["block"], limit: 1 << 30 };
+const KIND: CacheKind = CacheKind { ends: &["block"], limit: 1 << 30 };
 
 /// Content of a block. Equal recipes give equal bytes.
 #[derive(Clone, Copy, Debug)]

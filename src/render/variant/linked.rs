@@ -6,14 +6,14 @@ use super::scene_variant::Variant;
 use crate::shader::compile::{CompileError, Job, Limits, compile, link, names};
 use crate::shader::library::Compiler;
 use crate::shader::{self, Library, LinkError, Linker, Slots, Stage};
-use hypertexture_support::disk_cache::{self, Kind};
+use hypertexture_support::disk_cache::{self, CacheKind};
 use std::collections::BTreeMap;
 
 /// SPIR-V of the vertex stage and the fragment stage.
 type Stages = [Vec<u32>; 2];
 
 /// A few thousand programs.
-const KIND: Kind = Kind { ends: &["program"], limit: 256 << 20 };
+const KIND: CacheKind = CacheKind { ends: &["program"], limit: 256 << 20 };
 
 impl Variant {
     /// Links both stages, or loads them from the disk cache.

@@ -1,7 +1,7 @@
 //! Lowering of expressions: loads, element access, conversions and texture lookups.
 
 use super::function::{CallFrame, Class, Lower};
-use super::types::{Kind, Lowered, Ty, Value, Variable};
+use super::types::{Lowered, ScalarType, Ty, Value, Variable};
 use crate::code::{File, Instr, Lookup, Op, Pair, Reg, Source};
 use crate::error::ExactError;
 use crate::number::{Binary, IntBinary, Unary};
@@ -70,10 +70,10 @@ impl<'m> Lower<'m> {
 
     fn literal(&mut self, literal: Literal) -> Result<Value, ExactError> {
         let (kind, reg) = match literal {
-            Literal::F32(x) => (Kind::Float, self.float(f64::from(x))),
-            Literal::I32(x) => (Kind::Sint, self.int(x as u32, true)),
-            Literal::U32(x) => (Kind::Uint, self.int(x, false)),
-            Literal::Bool(x) => (Kind::Bool, self.source(File::Bool, Source::Bool(x))),
+            Literal::F32(x) => (ScalarType::Float, self.float(f64::from(x))),
+            Literal::I32(x) => (ScalarType::Sint, self.int(x as u32, true)),
+            Literal::U32(x) => (ScalarType::Uint, self.int(x, false)),
+            Literal::Bool(x) => (ScalarType::Bool, self.source(File::Bool, Source::Bool(x))),
             other => return Err(self.uncovered(format!("the literal {other:?}"))),
         };
         Ok(Value::new(Ty::Scalar(kind), vec![reg]))
@@ -166,7 +166,10 @@ impl<'m> Lower<'m> {
                 };
                 let size = |axis| Source::Size { image: binding, axis, signed: false };
                 let regs = (0..axes).map(|axis| self.source(File::Int, size(axis))).collect();
-                Value::new(if axes == 1 { Ty::Scalar(Kind::Uint) } else { Ty::Vector(Kind::Uint, axes) }, regs)
+                Value::new(
+                    if axes == 1 { Ty::Scalar(ScalarType::Uint) } else { Ty::Vector(ScalarType::Uint, axes) },
+                    regs,
+                )
             }
             Expression::Unary { op, expr } => {
                 let value = self.value(frame, *expr)?;
@@ -330,7 +333,7 @@ impl<'m> Lower<'m> {
         let regs = at.regs.iter().chain(level.iter().flat_map(|level| level.regs.iter())).copied().collect();
         self.code.lookups.push(Lookup { image, at: regs, channels: channels.map(Some) });
         self.push(Instr { signed: true, count: 0, table, ..Instr::new(op, channels[0], &[at.regs[0]]) });
-        Ok(Value::new(Ty::Vector(Kind::Float, 4), channels.to_vec()))
+        Ok(Value::new(Ty::Vector(ScalarType::Float, 4), channels.to_vec()))
     }
 }
 

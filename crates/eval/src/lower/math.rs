@@ -1,7 +1,7 @@
 //! Lowering of the mathematical functions of GLSL.
 
 use super::function::Lower;
-use super::types::{Kind, Ty, Value};
+use super::types::{ScalarType, Ty, Value};
 use crate::code::{Op, Reg};
 use crate::error::ExactError;
 use crate::number::{Binary, Comparison, IntBinary, IntUnary, Unary};
@@ -26,7 +26,7 @@ impl Lower<'_> {
         use MathFunction as M;
         let a = &values[0];
         let kind = a.ty.kind().ok_or_else(|| self.uncovered("a function of an array or structure"))?;
-        let float = kind == Kind::Float;
+        let float = kind == ScalarType::Float;
         let (op, count) = match function {
             M::Abs if !float => (Op::IntUnary(IntUnary::Abs), 1),
             M::Sign if !float => (Op::IntUnary(IntUnary::Sign), 1),
@@ -50,13 +50,13 @@ impl Lower<'_> {
         };
         let mut found = self.by_component(op, &values[..count]);
         if matches!(function, M::CountOneBits | M::FirstTrailingBit | M::FirstLeadingBit) {
-            found.ty = found.ty.with(Kind::Sint); // GLSL returns int for any argument
+            found.ty = found.ty.with(ScalarType::Sint); // GLSL returns int for any argument
         }
         Ok(found)
     }
 
     fn by_component(&mut self, op: Op, values: &[Value]) -> Value {
-        let signed = values[0].ty.kind().is_some_and(Kind::signed);
+        let signed = values[0].ty.kind().is_some_and(ScalarType::signed);
         let widest = values.iter().max_by_key(|value| value.regs.len()).unwrap_or(&values[0]);
         let (count, ty) = (widest.regs.len(), widest.ty.clone());
         let regs = (0..count).map(|index| {
@@ -68,7 +68,7 @@ impl Lower<'_> {
     }
 
     fn scaled(&mut self, value: &Value, by: Reg) -> Value {
-        let by = Value::new(Ty::Scalar(Kind::Float), vec![by]);
+        let by = Value::new(Ty::Scalar(ScalarType::Float), vec![by]);
         self.by_component(Op::Binary(Binary::Mul), &[value.clone(), by])
     }
 
@@ -89,10 +89,10 @@ impl Lower<'_> {
         use BinaryOperator as B;
         use MathFunction as M;
         let a = &values[0];
-        let float = a.ty.kind() == Some(Kind::Float);
+        let float = a.ty.kind() == Some(ScalarType::Float);
         let second = || values.get(1).cloned().unwrap_or_else(|| a.clone());
         let third = || values.get(2).cloned().unwrap_or_else(|| a.clone());
-        let scalar = |reg: Reg| Value::new(Ty::Scalar(Kind::Float), vec![reg]);
+        let scalar = |reg: Reg| Value::new(Ty::Scalar(ScalarType::Float), vec![reg]);
         Ok(match function {
             M::Clamp => {
                 let (min, max) = match float {
@@ -116,7 +116,7 @@ impl Lower<'_> {
                 let below = self.binary(B::Less, &second(), a)?;
                 let (one, zero) = (self.float(1.0), self.float(0.0));
                 let regs = below.regs.iter().map(|below| self.emit(Op::Select, false, &[*below, zero, one]));
-                Value::new(below.ty.with(Kind::Float), regs.collect())
+                Value::new(below.ty.with(ScalarType::Float), regs.collect())
             }
             M::SmoothStep => {
                 let (from, to, x) = (a, second(), third());

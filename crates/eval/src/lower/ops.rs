@@ -1,7 +1,7 @@
 //! Lowering of operators and conversions.
 
 use super::function::Lower;
-use super::types::{Kind, Ty, Value};
+use super::types::{ScalarType, Ty, Value};
 use crate::code::{File, Op, Reg};
 use crate::error::ExactError;
 use crate::number::{Binary, Comparison, IntBinary, IntUnary, Unary};
@@ -11,7 +11,7 @@ impl Lower<'_> {
     pub fn unary(&mut self, op: UnaryOperator, value: &Value) -> Result<Value, ExactError> {
         let kind = value.ty.kind().ok_or_else(|| self.uncovered("an operator on an array or structure"))?;
         let op = match (op, kind) {
-            (UnaryOperator::Negate, Kind::Float) => Op::Unary(Unary::Negate),
+            (UnaryOperator::Negate, ScalarType::Float) => Op::Unary(Unary::Negate),
             (UnaryOperator::Negate, _) => Op::IntUnary(IntUnary::Negate),
             (UnaryOperator::LogicalNot, _) => Op::Not,
             (UnaryOperator::BitwiseNot, _) => Op::IntUnary(IntUnary::Not),
@@ -24,7 +24,7 @@ impl Lower<'_> {
         let regs = value.regs.clone();
         let fold = |lower: &mut Self, op| {
             let all = regs[1..].iter().fold(regs[0], |all, reg| lower.emit(op, false, &[all, *reg]));
-            Value::new(Ty::Scalar(Kind::Bool), vec![all])
+            Value::new(Ty::Scalar(ScalarType::Bool), vec![all])
         };
         let op = match function {
             naga::RelationalFunction::All => return Ok(fold(self, Op::And)),
@@ -33,15 +33,15 @@ impl Lower<'_> {
             naga::RelationalFunction::IsInf => Op::IsInfinite,
         };
         let regs = value.regs.iter().map(|reg| self.emit(op, false, &[*reg])).collect();
-        Ok(Value::new(value.ty.with(Kind::Bool), regs))
+        Ok(Value::new(value.ty.with(ScalarType::Bool), regs))
     }
 
     pub fn convert(&mut self, value: &Value, kind: ScalarKind, convert: bool) -> Result<Value, ExactError> {
         let to = match kind {
-            ScalarKind::Float => Kind::Float,
-            ScalarKind::Sint => Kind::Sint,
-            ScalarKind::Uint => Kind::Uint,
-            ScalarKind::Bool => Kind::Bool,
+            ScalarKind::Float => ScalarType::Float,
+            ScalarKind::Sint => ScalarType::Sint,
+            ScalarKind::Uint => ScalarType::Uint,
+            ScalarKind::Bool => ScalarType::Bool,
             other => return Err(self.uncovered(format!("a conversion to {other:?}"))),
         };
         let from = value.ty.kind().ok_or_else(|| self.uncovered("a conversion of an array or structure"))?;
@@ -49,20 +49,26 @@ impl Lower<'_> {
             return Ok(value.clone());
         }
         let constant = |lower: &mut Self, number: u32| match to {
-            Kind::Float => lower.float(f64::from(number)),
+            ScalarType::Float => lower.float(f64::from(number)),
             _ => lower.int(number, to.signed()),
         };
         let regs = value.regs.iter().map(|reg| match (from, to) {
-            (Kind::Float, Kind::Sint | Kind::Uint) if convert => self.emit(Op::ToInt, to.signed(), &[*reg]),
-            (Kind::Float, Kind::Sint | Kind::Uint) => self.emit(Op::ToBits, to.signed(), &[*reg]),
-            (Kind::Sint | Kind::Uint, Kind::Float) if convert => self.emit(Op::FromInt, from.signed(), &[*reg]),
-            (Kind::Sint | Kind::Uint, Kind::Float) => self.emit(Op::FromBits, false, &[*reg]),
-            (Kind::Sint | Kind::Uint, Kind::Sint | Kind::Uint) => self.emit(Op::Bitcast, to.signed(), &[*reg]),
-            (Kind::Bool, _) => {
+            (ScalarType::Float, ScalarType::Sint | ScalarType::Uint) if convert => {
+                self.emit(Op::ToInt, to.signed(), &[*reg])
+            }
+            (ScalarType::Float, ScalarType::Sint | ScalarType::Uint) => self.emit(Op::ToBits, to.signed(), &[*reg]),
+            (ScalarType::Sint | ScalarType::Uint, ScalarType::Float) if convert => {
+                self.emit(Op::FromInt, from.signed(), &[*reg])
+            }
+            (ScalarType::Sint | ScalarType::Uint, ScalarType::Float) => self.emit(Op::FromBits, false, &[*reg]),
+            (ScalarType::Sint | ScalarType::Uint, ScalarType::Sint | ScalarType::Uint) => {
+                self.emit(Op::Bitcast, to.signed(), &[*reg])
+            }
+            (ScalarType::Bool, _) => {
                 let (one, zero) = (constant(self, 1), constant(self, 0));
                 self.emit(Op::Select, false, &[*reg, one, zero])
             }
-            (Kind::Float, _) => {
+            (ScalarType::Float, _) => {
                 let zero = self.float(0.0);
                 let same = self.emit(Op::Compare(Comparison::Equal), false, &[*reg, zero]);
                 self.emit(Op::Not, false, &[same])
@@ -91,13 +97,13 @@ impl Lower<'_> {
         }
         let truth = regs[0].file == File::Bool;
         let shape = if a.regs.len() >= b.regs.len() { &a.ty } else { &b.ty };
-        Ok(Value::new(if truth { shape.with(Kind::Bool) } else { shape.clone() }, regs))
+        Ok(Value::new(if truth { shape.with(ScalarType::Bool) } else { shape.clone() }, regs))
     }
 
-    fn scalar_binary(&mut self, op: BinaryOperator, kind: Kind, a: Reg, b: Reg) -> Result<Reg, ExactError> {
+    fn scalar_binary(&mut self, op: BinaryOperator, kind: ScalarType, a: Reg, b: Reg) -> Result<Reg, ExactError> {
         use BinaryOperator as B;
         let signed = kind.signed();
-        let integer = matches!(kind, Kind::Sint | Kind::Uint);
+        let integer = matches!(kind, ScalarType::Sint | ScalarType::Uint);
         if integer && matches!(op, B::Divide | B::Modulo) {
             self.watch_divisor(b);
         }
@@ -111,17 +117,17 @@ impl Lower<'_> {
             lower.emit(Op::Not, false, &[reg])
         };
         let equal = match kind {
-            Kind::Float => Op::Compare(Comparison::Equal),
-            Kind::Bool => Op::BoolEqual,
+            ScalarType::Float => Op::Compare(Comparison::Equal),
+            ScalarType::Bool => Op::BoolEqual,
             _ => Op::IntEqual,
         };
         let simple = match (op, kind) {
-            (B::Add, Kind::Float) => Op::Binary(Binary::Add),
-            (B::Subtract, Kind::Float) => Op::Binary(Binary::Sub),
-            (B::Multiply, Kind::Float) if a == b => return Ok(self.emit(Op::Unary(Unary::Square), false, &[a])),
-            (B::Multiply, Kind::Float) => Op::Binary(Binary::Mul),
-            (B::Divide, Kind::Float) => Op::Binary(Binary::Div),
-            (B::Modulo, Kind::Float) => Op::Binary(Binary::Rem),
+            (B::Add, ScalarType::Float) => Op::Binary(Binary::Add),
+            (B::Subtract, ScalarType::Float) => Op::Binary(Binary::Sub),
+            (B::Multiply, ScalarType::Float) if a == b => return Ok(self.emit(Op::Unary(Unary::Square), false, &[a])),
+            (B::Multiply, ScalarType::Float) => Op::Binary(Binary::Mul),
+            (B::Divide, ScalarType::Float) => Op::Binary(Binary::Div),
+            (B::Modulo, ScalarType::Float) => Op::Binary(Binary::Rem),
             (B::Add, _) => Op::Int(IntBinary::Add),
             (B::Subtract, _) => Op::Int(IntBinary::Sub),
             (B::Multiply, _) => Op::Int(IntBinary::Mul),
@@ -129,9 +135,9 @@ impl Lower<'_> {
             (B::Modulo, _) => Op::Int(IntBinary::Rem),
             (B::ShiftLeft, _) => Op::Int(IntBinary::ShiftLeft),
             (B::ShiftRight, _) => Op::Int(IntBinary::ShiftRight),
-            (B::And | B::LogicalAnd, Kind::Bool) => Op::And,
-            (B::InclusiveOr | B::LogicalOr, Kind::Bool) => Op::Or,
-            (B::ExclusiveOr, Kind::Bool) => return Ok(not(self, Op::BoolEqual, a, b)),
+            (B::And | B::LogicalAnd, ScalarType::Bool) => Op::And,
+            (B::InclusiveOr | B::LogicalOr, ScalarType::Bool) => Op::Or,
+            (B::ExclusiveOr, ScalarType::Bool) => return Ok(not(self, Op::BoolEqual, a, b)),
             (B::And, _) => Op::Int(IntBinary::And),
             (B::InclusiveOr, _) => Op::Int(IntBinary::Or),
             (B::ExclusiveOr, _) => Op::Int(IntBinary::Xor),
@@ -160,11 +166,11 @@ impl Lower<'_> {
                     let of_row: Vec<Reg> = (0..*columns).map(|column| a.regs[column * rows + row]).collect();
                     self.dot(&of_row, &b.regs)
                 });
-                Some(Value::new(Ty::Vector(Kind::Float, *rows), regs.collect()))
+                Some(Value::new(Ty::Vector(ScalarType::Float, *rows), regs.collect()))
             }
             (Ty::Vector(..), Ty::Matrix(columns, rows)) => {
                 let regs = (0..*columns).map(|column| self.dot(&a.regs, &b.regs[column * rows..(column + 1) * rows]));
-                Some(Value::new(Ty::Vector(Kind::Float, *columns), regs.collect()))
+                Some(Value::new(Ty::Vector(ScalarType::Float, *columns), regs.collect()))
             }
             (Ty::Matrix(inner, rows), Ty::Matrix(columns, _)) => {
                 let mut regs = Vec::new();

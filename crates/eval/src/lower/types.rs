@@ -6,32 +6,32 @@ use std::rc::Rc;
 
 /// Kinds of scalars.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum ScalarType {
     Float,
     Sint,
     Uint,
     Bool,
 }
 
-impl Kind {
+impl ScalarType {
     pub fn file(self) -> File {
         match self {
-            Kind::Float => File::Float,
-            Kind::Sint | Kind::Uint => File::Int,
-            Kind::Bool => File::Bool,
+            ScalarType::Float => File::Float,
+            ScalarType::Sint | ScalarType::Uint => File::Int,
+            ScalarType::Bool => File::Bool,
         }
     }
 
     pub fn signed(self) -> bool {
-        self == Kind::Sint
+        self == ScalarType::Sint
     }
 
-    pub fn of(scalar: naga::Scalar) -> Option<Kind> {
+    pub fn of(scalar: naga::Scalar) -> Option<ScalarType> {
         match (scalar.kind, scalar.width) {
-            (ScalarKind::Float, 4) => Some(Kind::Float),
-            (ScalarKind::Sint, 4) => Some(Kind::Sint),
-            (ScalarKind::Uint, 4) => Some(Kind::Uint),
-            (ScalarKind::Bool, _) => Some(Kind::Bool),
+            (ScalarKind::Float, 4) => Some(ScalarType::Float),
+            (ScalarKind::Sint, 4) => Some(ScalarType::Sint),
+            (ScalarKind::Uint, 4) => Some(ScalarType::Uint),
+            (ScalarKind::Bool, _) => Some(ScalarType::Bool),
             _ => None,
         }
     }
@@ -40,8 +40,8 @@ impl Kind {
 /// Types of values.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ty {
-    Scalar(Kind),
-    Vector(Kind, usize),
+    Scalar(ScalarType),
+    Vector(ScalarType, usize),
     /// Columns and rows; of floats, column by column.
     Matrix(usize, usize),
     Array(Rc<Ty>, usize),
@@ -51,7 +51,7 @@ pub enum Ty {
 impl Ty {
     /// Converts a type of naga, or names the uncovered construct.
     pub fn of(module: &Module, ty: Handle<Type>) -> Result<Ty, String> {
-        let scalar = |scalar| Kind::of(scalar).ok_or_else(|| format!("the scalar type {scalar:?}"));
+        let scalar = |scalar| ScalarType::of(scalar).ok_or_else(|| format!("the scalar type {scalar:?}"));
         match &module.types[ty].inner {
             TypeInner::Scalar(kind) => Ok(Ty::Scalar(scalar(*kind)?)),
             TypeInner::Vector { size, scalar: kind } => Ok(Ty::Vector(scalar(*kind)?, *size as usize)),
@@ -80,11 +80,11 @@ impl Ty {
     }
 
     /// The kinds of all scalars.
-    pub fn kinds(&self) -> Vec<Kind> {
+    pub fn kinds(&self) -> Vec<ScalarType> {
         match self {
             Ty::Scalar(kind) => vec![*kind],
             Ty::Vector(kind, size) => vec![*kind; *size],
-            Ty::Matrix(columns, rows) => vec![Kind::Float; columns * rows],
+            Ty::Matrix(columns, rows) => vec![ScalarType::Float; columns * rows],
             Ty::Array(base, count) => base.kinds().repeat(*count),
             Ty::Struct(members) => members.iter().flat_map(Ty::kinds).collect(),
         }
@@ -94,7 +94,7 @@ impl Ty {
     pub fn element(&self, index: usize) -> Option<(Ty, usize)> {
         match self {
             Ty::Vector(kind, size) if index < *size => Some((Ty::Scalar(*kind), index)),
-            Ty::Matrix(columns, rows) if index < *columns => Some((Ty::Vector(Kind::Float, *rows), index * rows)),
+            Ty::Matrix(columns, rows) if index < *columns => Some((Ty::Vector(ScalarType::Float, *rows), index * rows)),
             Ty::Array(base, count) if index < *count => Some(((**base).clone(), index * base.size())),
             Ty::Struct(members) if index < members.len() => {
                 Some((members[index].clone(), members[..index].iter().map(Ty::size).sum()))
@@ -115,16 +115,16 @@ impl Ty {
     }
 
     /// The kind of a scalar, vector or matrix.
-    pub fn kind(&self) -> Option<Kind> {
+    pub fn kind(&self) -> Option<ScalarType> {
         match self {
             Ty::Scalar(kind) | Ty::Vector(kind, _) => Some(*kind),
-            Ty::Matrix(..) => Some(Kind::Float),
+            Ty::Matrix(..) => Some(ScalarType::Float),
             _ => None,
         }
     }
 
     /// The shape with another kind of scalar.
-    pub fn with(&self, kind: Kind) -> Ty {
+    pub fn with(&self, kind: ScalarType) -> Ty {
         match self {
             Ty::Vector(_, size) => Ty::Vector(kind, *size),
             _ => Ty::Scalar(kind),
@@ -133,8 +133,8 @@ impl Ty {
 }
 
 /// Appends the kind and offset in bytes of each scalar of a uniform block.
-pub fn layout(module: &Module, ty: Handle<Type>, start: u32, out: &mut Vec<(Kind, u32)>) -> Result<(), String> {
-    let kind = |scalar| Kind::of(scalar).ok_or_else(|| format!("the scalar type {scalar:?}"));
+pub fn layout(module: &Module, ty: Handle<Type>, start: u32, out: &mut Vec<(ScalarType, u32)>) -> Result<(), String> {
+    let kind = |scalar| ScalarType::of(scalar).ok_or_else(|| format!("the scalar type {scalar:?}"));
     match &module.types[ty].inner {
         TypeInner::Scalar(scalar) => out.push((kind(*scalar)?, start)),
         TypeInner::Vector { size, scalar } => {
@@ -144,7 +144,7 @@ pub fn layout(module: &Module, ty: Handle<Type>, start: u32, out: &mut Vec<(Kind
         TypeInner::Matrix { columns, rows, .. } => {
             let stride = if *rows as u32 == 2 { 8 } else { 16 };
             for column in 0..*columns as u32 {
-                out.extend((0..*rows as u32).map(|row| (Kind::Float, start + stride * column + 4 * row)));
+                out.extend((0..*rows as u32).map(|row| (ScalarType::Float, start + stride * column + 4 * row)));
             }
         }
         TypeInner::Array { base, size: naga::ArraySize::Constant(size), stride } => {

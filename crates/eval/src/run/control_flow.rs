@@ -18,7 +18,7 @@ const UNBOUNDED: [u64; 2] = [1 << 16, 1 << 20];
 
 /// A part of the program with an early exit.
 struct Construct<'a, N: Number> {
-    kind: Kind,
+    kind: ConstructKind,
     written: &'a [Reg],
     /// Lanes that left, and lanes that continue with the next iteration.
     left: u64,
@@ -28,7 +28,7 @@ struct Construct<'a, N: Number> {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Kind {
+enum ConstructKind {
     Loop,
     Switch,
     Scope,
@@ -118,14 +118,14 @@ impl<'a, N: Number> Machine<'a, N> {
                 Node::Loop(node) => self.run_loop(node, mask)?,
                 Node::Switch { selector, cases, written } => self.switch(*selector, cases, written, mask)?,
                 Node::Scope { body, written } => {
-                    self.enter(Kind::Scope, written);
+                    self.enter(ConstructKind::Scope, written);
                     let ended = self.nodes(body, mask)?;
                     self.leave(ended)
                 }
-                Node::Break => self.quit(|kind| kind != Kind::Scope, mask),
-                Node::Return => self.quit(|kind| kind == Kind::Scope, mask),
+                Node::Break => self.quit(|kind| kind != ConstructKind::Scope, mask),
+                Node::Return => self.quit(|kind| kind == ConstructKind::Scope, mask),
                 Node::Continue => {
-                    if let Some(frame) = self.frames.iter_mut().rev().find(|frame| frame.kind == Kind::Loop) {
+                    if let Some(frame) = self.frames.iter_mut().rev().find(|frame| frame.kind == ConstructKind::Loop) {
                         frame.again |= mask;
                         if !N::DECIDED {
                             frame.next.add(&self.banks, frame.written, mask);
@@ -199,7 +199,7 @@ impl<'a, N: Number> Machine<'a, N> {
         }
     }
 
-    fn enter(&mut self, kind: Kind, written: &'a [Reg]) {
+    fn enter(&mut self, kind: ConstructKind, written: &'a [Reg]) {
         self.frames.push(Construct { kind, written, left: 0, again: 0, exit: Snapshot::new(), next: Snapshot::new() });
     }
 
@@ -213,7 +213,7 @@ impl<'a, N: Number> Machine<'a, N> {
     }
 
     /// Exits the innermost frame of a kind early.
-    fn quit(&mut self, is: impl Fn(Kind) -> bool, mask: u64) -> u64 {
+    fn quit(&mut self, is: impl Fn(ConstructKind) -> bool, mask: u64) -> u64 {
         if let Some(frame) = self.frames.iter_mut().rev().find(|frame| is(frame.kind)) {
             frame.left |= mask;
             if !N::DECIDED {
@@ -224,7 +224,7 @@ impl<'a, N: Number> Machine<'a, N> {
     }
 
     fn run_loop(&mut self, node: &'a Loop, mask: u64) -> Result<u64, ExactError> {
-        self.enter(Kind::Loop, &node.written);
+        self.enter(ConstructKind::Loop, &node.written);
         let index = self.frames.len() - 1;
         let (mut live, mut turn) = (mask, 0u64);
         let mut seen = Snapshot::new();
@@ -257,7 +257,7 @@ impl<'a, N: Number> Machine<'a, N> {
             live = self.nodes(&node.continuing, ended | again)?;
             if let Some(condition) = node.break_if {
                 let (holds, fails) = self.split(condition, live);
-                self.quit(|kind| kind != Kind::Scope, holds);
+                self.quit(|kind| kind != ConstructKind::Scope, holds);
                 live = fails;
             }
         }
@@ -274,9 +274,9 @@ impl<'a, N: Number> Machine<'a, N> {
         let lost = if turn > most || self.all_turns > most_of_all { live & !done } else { old & !left };
         if lost != 0 {
             self.banks.forget(&node.written, lost);
-            self.quit(|kind| kind == Kind::Loop, lost);
+            self.quit(|kind| kind == ConstructKind::Loop, lost);
             if node.returns {
-                self.quit(|kind| kind == Kind::Scope, lost);
+                self.quit(|kind| kind == ConstructKind::Scope, lost);
             }
             if node.kills {
                 self.killed |= lost;
@@ -311,11 +311,11 @@ impl<'a, N: Number> Machine<'a, N> {
         });
         let entered = enters.iter().fold(0, |all, lanes| all | lanes);
         let past = if cases.iter().any(|case| case.default) { 0 } else { mask & !entered };
-        self.enter(Kind::Switch, written);
+        self.enter(ConstructKind::Switch, written);
         let mut before = Snapshot::new();
         if !N::DECIDED {
             before.add(&self.banks, written, mask);
-            self.quit(|kind| kind == Kind::Switch, past);
+            self.quit(|kind| kind == ConstructKind::Switch, past);
         }
         let mut falling = 0;
         for (case, lanes) in cases.iter().zip(enters) {
@@ -325,7 +325,7 @@ impl<'a, N: Number> Machine<'a, N> {
             let ended = self.nodes(&case.body, lanes | falling)?;
             falling = if case.falls { ended } else { 0 };
             if !case.falls {
-                self.quit(|kind| kind == Kind::Switch, ended);
+                self.quit(|kind| kind == ConstructKind::Switch, ended);
             }
         }
         if N::DECIDED {

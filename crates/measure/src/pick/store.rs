@@ -4,13 +4,13 @@ use super::bound::{ErrorBound, Pick, PickError, Verified};
 use crate::compare::Session;
 use hypertexture::output::identity_of_texts;
 use hypertexture::scene::{self, Scene};
-use hypertexture_support::disk_cache::{self, Kind};
+use hypertexture_support::disk_cache::{self, CacheKind};
 use serde::{Deserialize, Serialize};
 
 /// Raise it when the same scene may give another pick.
 const VERSION: u32 = 11;
 /// A few thousand picks.
-const KIND: Kind = Kind { ends: &["pick"], limit: 16 << 20 };
+const KIND: CacheKind = CacheKind { ends: &["pick"], limit: 16 << 20 };
 
 /// The key of a pick: the hash of what it depends on.
 pub(super) fn key(session: Session<'_>, scene: &Scene, bound: ErrorBound) -> Result<blake3::Hash, PickError> {

@@ -5,12 +5,12 @@ use hypertexture::output::identity_of_texts;
 use hypertexture::render::variant::Variant;
 use hypertexture::render::{RenderError, Subject};
 use hypertexture::shader::Library;
-use hypertexture_support::disk_cache::{self, Kind};
+use hypertexture_support::disk_cache::{self, CacheKind};
 
 /// Version of the references; raise it with any change of their values.
 const VERSION: u32 = 8;
 /// Limit of the cache. Lower: the references of one report evict each other. Higher: the disk fills up.
-const KIND: Kind = Kind { ends: &["reference"], limit: 256 << 20 };
+const KIND: CacheKind = CacheKind { ends: &["reference"], limit: 256 << 20 };
 
 /// Cache key of a [`super::truth_of`] scene: the hash of all inputs of its reference.
 pub(super) fn key(
