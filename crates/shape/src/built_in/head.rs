@@ -23,7 +23,7 @@ const RAMP: f32 = 4.0;
 pub const SKIN: f32 = 0.5;
 
 /// Soft part of the half with positive x.
-struct Part {
+struct HeadPart {
     form: Form,
     /// Width of the blend with the parts before it.
     blend: f32,
@@ -42,19 +42,19 @@ enum Form {
     Limb([f32; 3], [f32; 3], [f32; 2]),
 }
 
-const fn add(blend: f32, form: Form) -> Part {
-    Part { form, blend, carve: false }
+const fn add(blend: f32, form: Form) -> HeadPart {
+    HeadPart { form, blend, carve: false }
 }
 
-const fn carve(blend: f32, form: Form) -> Part {
-    Part { form, blend, carve: true }
+const fn carve(blend: f32, form: Form) -> HeadPart {
+    HeadPart { form, blend, carve: true }
 }
 
 /// No rotation.
 const LEVEL: [f32; 2] = [0.0; 2];
 
 /// Parts of the skin; each blends with all before it.
-const PARTS: &[Part] = &[
+const PARTS: &[HeadPart] = &[
     // Skull and face.
     add(0.0, Ellipsoid([0.0, 0.27, -0.14], [0.69, 0.72, 0.80], LEVEL)),
     add(0.20, Ellipsoid([0.0, 0.24, 0.16], [0.57, 0.54, 0.54], LEVEL)),
@@ -96,7 +96,7 @@ const PARTS: &[Part] = &[
 ];
 
 /// Parts of the skull, which is cut off at [`FLESH`] below the skin.
-const SKULL: &[Part] = &[
+const SKULL: &[HeadPart] = &[
     // Braincase and face.
     add(0.0, Ellipsoid([0.0, 0.26, -0.14], [0.62, 0.65, 0.73], LEVEL)),
     add(0.15, Ellipsoid([0.0, 0.22, 0.14], [0.50, 0.48, 0.48], LEVEL)),
@@ -149,8 +149,8 @@ fn blend(a: f32, b: f32, width: f32) -> f32 {
 }
 
 /// Inverse rotation of each part.
-fn turns(parts: &[Part]) -> Vec<Mat3> {
-    let of = |part: &Part| match part.form {
+fn turns(parts: &[HeadPart]) -> Vec<Mat3> {
+    let of = |part: &HeadPart| match part.form {
         Ellipsoid(_, _, [back, out]) => {
             Mat3::from_rotation_x(back.to_radians()) * Mat3::from_rotation_y(-out.to_radians())
         }
@@ -161,7 +161,7 @@ fn turns(parts: &[Part]) -> Vec<Mat3> {
 
 /// First-order signed distances to the parts in head units for a row of points, positive outside; lower bounds at blends.
 #[inline(always)] // for the vector instructions of this processor
-fn distances(x: [f32; LANES], [y, z]: [f32; 2], parts: &[Part], turns: &[Mat3]) -> [f32; LANES] {
+fn distances(x: [f32; LANES], [y, z]: [f32; 2], parts: &[HeadPart], turns: &[Mat3]) -> [f32; LANES] {
     let (mut soft, mut own) = ([f32::MAX; LANES], [0.0; LANES]);
     for (part, turn) in parts.iter().zip(turns) {
         match part.form {
@@ -186,19 +186,19 @@ fn distances(x: [f32; LANES], [y, z]: [f32; 2], parts: &[Part], turns: &[Mat3]) 
 }
 
 /// Half of a row of samples with negative x; `low` is the first point.
-struct Row<'a> {
+struct HalfRow<'a> {
     low: Vec3,
     step: f32,
-    parts: [(&'a [Part], &'a [Mat3]); 2],
+    parts: [(&'a [HeadPart], &'a [Mat3]); 2],
     values: &'a mut [f32],
 }
 
-impl pulp::NullaryFnOnce for Row<'_> {
+impl pulp::NullaryFnOnce for HalfRow<'_> {
     type Output = ();
 
     #[inline(always)] // like all callees
     fn call(self) {
-        let Row { low, step, parts: [skin, bone], values } = self;
+        let HalfRow { low, step, parts: [skin, bone], values } = self;
         let ramp = |distance: f32, samples: f32| (0.5 - 0.5 * distance / (samples * step)).clamp(0.0, 1.0);
         for (chunk, values) in values.chunks_mut(LANES).enumerate() {
             let x = std::array::from_fn(|lane| low.x + step * (chunk * LANES + lane) as f32);
@@ -229,7 +229,7 @@ pub fn head() -> Volume {
         let half = nx.div_ceil(2);
         let low = low + step * Vec3::new(0.0, (row % ny) as f32, (row / ny) as f32);
         let parts = [(PARTS, turns.as_slice()), (SKULL, turns_of_bone.as_slice())];
-        arch.dispatch(Row { low, step, parts, values: &mut values[..half] });
+        arch.dispatch(HalfRow { low, step, parts, values: &mut values[..half] });
         (0..half).for_each(|x| values[nx - 1 - x] = values[x]);
     });
     let origin = scale * (low - 0.5 * (LOW + HIGH));
@@ -241,12 +241,12 @@ pub fn head() -> Volume {
 mod tests {
     use super::*;
 
-    fn distance(p: Vec3, parts: &[Part], turns: &[Mat3]) -> f32 {
+    fn distance(p: Vec3, parts: &[HeadPart], turns: &[Mat3]) -> f32 {
         distances([p.x; LANES], [p.y, p.z], parts, turns)[0]
     }
 
     /// Depth of the surface along -z at a point of the face, head units.
-    fn relief(parts: &[Part], x: f32, y: f32) -> f32 {
+    fn relief(parts: &[HeadPart], x: f32, y: f32) -> f32 {
         let turns = turns(parts);
         let is_in = |z: &f32| distance(Vec3::new(x, y, *z), parts, &turns) <= 0.0;
         (0..2000).map(|i| 1.2 - i as f32 * 1e-3).find(is_in).unwrap_or(-1.0)

@@ -179,7 +179,7 @@ impl Groom {
     /// # Errors
     /// They are not a groom.
     pub fn from_bytes(file: &str, bytes: &[u8]) -> Result<Groom, ShapeError> {
-        let (header, mut data) = (Header::read(bytes, file)?, bytes);
+        let (header, mut data) = (GroomHeader::read(bytes, file)?, bytes);
         data.consume(header.length);
         let count = (header.side as usize).pow(3);
         let mut codes = Vec::new();
@@ -225,15 +225,15 @@ impl Groom {
 }
 
 /// The part of a file before its data.
-struct Header {
+struct GroomHeader {
     object: String,
     side: u32,
     /// Its bytes.
     length: usize,
 }
 
-impl Header {
-    fn read(bytes: &[u8], file: &str) -> Result<Header, ShapeError> {
+impl GroomHeader {
+    fn read(bytes: &[u8], file: &str) -> Result<GroomHeader, ShapeError> {
         let malformed = |line: usize, expected: &'static str, found: &str| ShapeError::Malformed {
             file: file.into(),
             place: Location::Line(line as u64),
@@ -248,7 +248,7 @@ impl Header {
         if !text.contains(KEY) {
             return Err(malformed(1, "a groom, which `hypertexture groom` and the window write", "another NRRD"));
         }
-        let mut found = Header { object: String::new(), side: 0, length: end + 2 };
+        let mut found = GroomHeader { object: String::new(), side: 0, length: end + 2 };
         for (line, (name, value)) in
             text.lines().enumerate().filter_map(|(number, line)| Some((number + 1, line.split_once(':')?)))
         {

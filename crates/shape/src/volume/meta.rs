@@ -50,7 +50,7 @@ pub(crate) fn recognizes(start: &[u8], _len: u64) -> bool {
 /// Reads a volume: raw or compressed, after the header or in data files; integers of 8 to 64 bits, float or double, both byte
 /// orders, converted to f32 (integers above 2^24 and doubles are rounded).
 pub(crate) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
-    let header = Header::read(source)?;
+    let header = MetaHeader::read(source)?;
     let raster = header.raster(source)?;
     let is_here = matches!(header.0.get(DATA), Some("LOCAL" | "Local" | "local"));
     let before = match header.0.get("HeaderSize").map(str::parse::<i64>) {
@@ -67,11 +67,11 @@ pub(crate) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     raster.read(source, &Data { files, before, ..Data::HERE })
 }
 
-struct Header(Fields);
+struct MetaHeader(Fields);
 
-impl Header {
+impl MetaHeader {
     /// Reads up to the key of the data.
-    fn read(source: &mut Source) -> Result<Header, ShapeError> {
+    fn read(source: &mut Source) -> Result<MetaHeader, ShapeError> {
         let (mut fields, mut line) = (Fields::new(source), Vec::new());
         loop {
             if !source.next_line(&mut line)? {
@@ -88,7 +88,7 @@ impl Header {
                 return Err(source.malformed("each key once", &line));
             }
             if key.trim() == DATA {
-                return Ok(Header(fields));
+                return Ok(MetaHeader(fields));
             }
         }
     }

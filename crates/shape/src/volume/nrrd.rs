@@ -54,7 +54,7 @@ pub(crate) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
         source.line = 1;
         return Err(source.malformed("`NRRD0001` to `NRRD0005`", &start));
     }
-    let mut header = Header::read(source)?;
+    let mut header = NrrdHeader::read(source)?;
     let size = header.size(source)?;
     let fields = &header.fields;
     if !header.of_axes("kinds").is_none_or(|kinds| kinds.iter().all(|kind| is_spatial(kind))) {
@@ -90,7 +90,7 @@ pub(crate) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     Raster { kind, big_endian, compression, scale: None, placement }.read(source, &data)
 }
 
-struct Header {
+struct NrrdHeader {
     /// Lines `name: value`; names in lower case without spaces.
     fields: Fields,
     /// Lines `key:=value`.
@@ -99,10 +99,10 @@ struct Header {
     axes: [usize; 3],
 }
 
-impl Header {
+impl NrrdHeader {
     /// Reads up to the empty line before the data.
-    fn read(source: &mut Source) -> Result<Header, ShapeError> {
-        let mut read = Header { fields: Fields::new(source), keys: Fields::new(source), axes: [0, 1, 2] };
+    fn read(source: &mut Source) -> Result<NrrdHeader, ShapeError> {
+        let mut read = NrrdHeader { fields: Fields::new(source), keys: Fields::new(source), axes: [0, 1, 2] };
         let mut line = Vec::new();
         source.next_line(&mut line)?; // the magic number
         loop {

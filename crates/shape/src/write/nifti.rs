@@ -12,12 +12,12 @@ use std::io::{self, Write};
 /// Tolerance of each dot product of perpendicular unit vectors: f32 rounding.
 const ROUNDING: f64 = 1e-6;
 
-struct Header {
+struct HeaderBytes {
     bytes: Vec<u8>,
     layout: &'static HeaderLayout,
 }
 
-impl Header {
+impl HeaderBytes {
     /// Writes integers of `width` bytes.
     fn integers(&mut self, at: usize, width: usize, numbers: &[i64]) {
         for (own, number) in self.bytes[at..].chunks_exact_mut(width).zip(numbers) {
@@ -46,7 +46,7 @@ pub(crate) fn write(volume: &Volume, to: &mut dyn Write) -> io::Result<()> {
     let is_wide = x.max(y).max(z) > i64::from(i16::MAX);
     let layout = if is_wide { &NIFTI2 } else { &NIFTI1 };
     // 4 zeros after the header mean no extensions.
-    let mut header = Header { bytes: vec![0; layout.bytes + 4], layout };
+    let mut header = HeaderBytes { bytes: vec![0; layout.bytes + 4], layout };
     let (number, size, code) = layout.widths();
     header.integers(0, 4, &[layout.bytes as i64]);
     header.text(layout.magic, layout.single);

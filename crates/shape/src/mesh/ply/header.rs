@@ -56,14 +56,14 @@ impl Element {
     }
 }
 
-pub(super) struct Header {
+pub(super) struct PlyHeader {
     pub encoding: Encoding,
     pub elements: Vec<Element>,
 }
 
-impl Header {
+impl PlyHeader {
     /// Reads up to `end_header`.
-    pub fn read(source: &mut Source) -> Result<Header, ShapeError> {
+    pub fn read(source: &mut Source) -> Result<PlyHeader, ShapeError> {
         let (mut line, mut encoding, mut elements) = (Vec::new(), None, Vec::<Element>::new());
         source.next_line(&mut line)?;
         if line.trim_ascii_end() != b"ply" {
@@ -115,6 +115,6 @@ impl Header {
         }
         let encoding = encoding
             .ok_or_else(|| source.malformed_at(Location::Header, "`format ascii 1.0` or another", "nothing".into()))?;
-        Ok(Header { encoding, elements })
+        Ok(PlyHeader { encoding, elements })
     }
 }

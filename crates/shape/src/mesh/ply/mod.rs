@@ -13,7 +13,7 @@ use crate::shape::{MAX_TRIANGLES, Mesh, Shape};
 use crate::source::{Source, check_positions};
 use colors::{Channels, colored_by_face};
 use glam::DVec3;
-use header::{Element, Header};
+use header::{Element, PlyHeader};
 use values::Values;
 
 /// Whether the file begins with the line `ply`.
@@ -25,7 +25,7 @@ pub(crate) fn recognizes(start: &[u8], _len: u64) -> bool {
 ///
 /// Normals, texture coordinates and other elements are skipped.
 pub(crate) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
-    let header = Header::read(source)?;
+    let header = PlyHeader::read(source)?;
     let mut parts = Parts::default();
     let mut values = Values::new(source, &header);
     for element in &header.elements {

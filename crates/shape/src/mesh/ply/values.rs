@@ -4,7 +4,7 @@
 //! programs do have more, in columns that the header does not name; such a file has one element in each line. Both look alike where
 //! a line goes on after an element, so the number of lines tells them apart.
 
-use super::header::{Element, Encoding, Header, Property};
+use super::header::{Element, Encoding, PlyHeader, Property};
 use crate::error::{Found, Location, ShapeError, quoted};
 use crate::sample_type::SampleType;
 use crate::source::{Source, number, tokens};
@@ -49,7 +49,7 @@ fn is_blank(text: &[u8]) -> bool {
 }
 
 impl<'a, 'b> Values<'a, 'b> {
-    pub fn new(source: &'a mut Source<'b>, header: &Header) -> Values<'a, 'b> {
+    pub fn new(source: &'a mut Source<'b>, header: &PlyHeader) -> Values<'a, 'b> {
         let there = header.elements.iter().filter(|element| !element.properties.is_empty());
         Values {
             encoding: header.encoding,

@@ -2,7 +2,7 @@
 //!
 //! Invariant: a file that expands beyond a bound or half of the free memory is refused. Source: NEMA PS3.5, A.5.
 
-use super::header::Header;
+use super::header::DicomHeader;
 use crate::error::{Location, ShapeError};
 use crate::source::Source;
 use crate::volume::raster::MAX_DEFLATE_RATIO;
@@ -22,7 +22,7 @@ pub(super) fn inflated<T>(
     let mut reader = &start[..];
     // A header that is longer than the start is read, and refused, by `read`.
     let mut inner = Source::new(source.file.clone(), start.len() as u64, None, &mut reader);
-    let header = Header::read(&mut inner).ok().filter(|header| header.is_deflated);
+    let header = DicomHeader::read(&mut inner).ok().filter(|header| header.is_deflated);
     let end = inner.offset;
     if header.is_none() {
         return read(source);

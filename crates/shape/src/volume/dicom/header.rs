@@ -22,7 +22,7 @@ const DEFLATED: &str = "1.2.840.10008.1.2.1.99";
 /// Noun for messages.
 const HEADER: &str = "a DICOM header";
 
-pub(super) struct Header {
+pub(super) struct DicomHeader {
     pub syntax: Syntax,
     pub encoding: PixelEncoding,
     /// Whether the rest of the file is deflated.
@@ -31,9 +31,9 @@ pub(super) struct Header {
     pub refused: Option<Refusal>,
 }
 
-impl Header {
+impl DicomHeader {
     /// Reads up to the data set.
-    pub fn read(source: &mut Source) -> Result<Header, ShapeError> {
+    pub fn read(source: &mut Source) -> Result<DicomHeader, ShapeError> {
         let start: [u8; MARK_AT + 4] = source.array(HEADER)?;
         if &start[MARK_AT..] != MARK {
             let (place, remedy) =
@@ -76,7 +76,7 @@ impl Header {
         };
         let remedy = "it only names files: open the folder that the slices are in, or one of them";
         let refused = if is_directory { Some(("the", "DICOMDIR".into(), remedy)) } else { refused };
-        Ok(Header { syntax, encoding, is_deflated, refused })
+        Ok(DicomHeader { syntax, encoding, is_deflated, refused })
     }
 }
 

@@ -5,7 +5,7 @@
 
 use super::elements::{Element, Elements, PER_FRAME, PIXELS, SHARED, UNDEFINED};
 use super::frames::{Fragments, PixelEncoding};
-use super::header::{Header, Refusal};
+use super::header::{DicomHeader, Refusal};
 use crate::error::{Found, Location, ShapeError, quoted};
 use crate::source::Source;
 use glam::DVec3;
@@ -151,7 +151,7 @@ fn number(elements: &mut Elements, head: &Element, expected: &'static str) -> Re
 impl Image {
     /// Reads up to the pixels, or to the end of the file.
     pub fn read(source: &mut Source) -> Result<Image, ShapeError> {
-        let Header { syntax, encoding, refused, .. } = Header::read(source)?;
+        let DicomHeader { syntax, encoding, refused, .. } = DicomHeader::read(source)?;
         let mut image = Image { count: 1, samples: 1, encoding, refused, ..Image::default() };
         let (mut common, mut shared) = (Frame::default(), Frame::default());
         let mut elements = Elements::new(source, syntax);

@@ -119,7 +119,7 @@ const ANALYZE_AXES: [&str; 6] = ["LAS", "LSA", "ASL", "LPS", "LIA", "AIL"];
 /// Offset of the orientation code.
 const ANALYZE_ORIENTATION: usize = 252;
 
-pub(super) struct Header<'s, 'a> {
+pub(super) struct NiftiHeader<'s, 'a> {
     source: &'s Source<'a>,
     bytes: &'s [u8],
     is_analyze: bool,
@@ -143,9 +143,9 @@ pub(super) fn is_analyze(file: &[u8]) -> bool {
     is_first && file.len() == NIFTI1.bytes && file[NIFTI1.magic] != b'n'
 }
 
-impl<'s, 'a> Header<'s, 'a> {
+impl<'s, 'a> NiftiHeader<'s, 'a> {
     /// Header at the start of `bytes`; `is_whole` means that nothing follows in the file.
-    pub fn new(source: &'s Source<'a>, bytes: &'s [u8], is_whole: bool) -> Result<Header<'s, 'a>, ShapeError> {
+    pub fn new(source: &'s Source<'a>, bytes: &'s [u8], is_whole: bool) -> Result<NiftiHeader<'s, 'a>, ShapeError> {
         let malformed = |at: usize, expected, found| source.malformed_at(Location::Byte(at as u64), expected, found);
         let Some((layout, big_endian)) = version(bytes) else {
             let found = quoted(&bytes[..bytes.len().min(4)]);
@@ -159,7 +159,7 @@ impl<'s, 'a> Header<'s, 'a> {
             ));
         }
         let is_analyze = is_whole && is_analyze(bytes);
-        let header = Header { source, bytes: &bytes[..layout.bytes], is_analyze, big_endian, layout };
+        let header = NiftiHeader { source, bytes: &bytes[..layout.bytes], is_analyze, big_endian, layout };
         let magic = &bytes[layout.magic..][..layout.single.len()];
         if !is_analyze && magic != layout.single && magic != layout.pair {
             return Err(malformed(layout.magic, "`n+1` or `ni1`, for NIfTI-2 `n+2` or `ni2`", quoted(magic)));

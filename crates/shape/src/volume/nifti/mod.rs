@@ -9,7 +9,7 @@ use crate::error::ShapeError;
 use crate::shape::Shape;
 use crate::source::{Source, read_block};
 use flate2::bufread::MultiGzDecoder;
-use header::{Header, NIFTI1, NIFTI2, is_analyze, version};
+use header::{NIFTI1, NIFTI2, NiftiHeader, is_analyze, version};
 use std::cell::Cell;
 use std::io::{BufReader, Read};
 use std::path::Path;
@@ -62,7 +62,7 @@ fn read_unpacked(source: &mut Source, compression: Compression) -> Result<Shape,
         }
     }
     let is_whole = source.peek()?.is_empty();
-    let header = Header::new(source, &bytes[..filled], is_whole)?;
+    let header = NiftiHeader::new(source, &bytes[..filled], is_whole)?;
     let raster = header.raster(compression)?;
     let (offset, is_pair) = (header.offset(raster.placement.voxels() * raster.kind.bytes())?, header.is_pair());
     if !is_pair {
