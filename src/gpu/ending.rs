@@ -11,7 +11,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 /// Longest wait for a device after a signal. Lower: a frame of a loaded machine is lost. Higher: the program ends late.
-const PATIENCE: Duration = Duration::from_millis(500);
+const MAX_WAIT: Duration = Duration::from_millis(500);
 const POLL: Duration = Duration::from_millis(20);
 
 static BEGAN: OnceLock<Instant> = OnceLock::new();
@@ -44,7 +44,7 @@ pub fn finish(code: u8) {
 
 /// Whether a wait that began at `start` is to be given up, since a signal asks the program to end.
 pub fn gives_up(start: Instant) -> bool {
-    BEGAN.get().is_some_and(|began| began.elapsed() > PATIENCE) && start.elapsed() > PATIENCE
+    BEGAN.get().is_some_and(|began| began.elapsed() > MAX_WAIT) && start.elapsed() > MAX_WAIT
 }
 
 /// Notes that a device was left at work: the process ends soon.

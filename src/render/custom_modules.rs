@@ -24,7 +24,7 @@ const SINGLE_OPERATIONS: u64 = OPERATIONS / 8;
 /// Visible difference between f32 and f64, linear light.
 const SHOWS: f64 = 0.01;
 /// Quads in a batch: few at first, in case a loop is endless, then the lanes of a block.
-const TOGETHER: [u32; 2] = [2, 16];
+const BATCH: [u32; 2] = [2, 16];
 /// A second initial value of variables without one, in place of 0: it shows where an unwritten element is read.
 const OTHER_FILL: f64 = 1013.0;
 /// Largest number of parameters in a message.
@@ -305,7 +305,7 @@ fn evaluate(
 ) -> Result<Found, ExactError> {
     let bound = program.bind(inputs)?;
     let mut found = Found::default();
-    let ([mut operations, mut singles], mut done, mut together) = ([0; 2], 0, TOGETHER[0]);
+    let ([mut operations, mut singles], mut done, mut together) = ([0; 2], 0, BATCH[0]);
     while done < QUADS && operations < OPERATIONS {
         let lanes = lanes_of(done..QUADS.min(done + together), target);
         let (outputs, spent) = bound.measure_within(&lanes, MOST_TURNS)?;
@@ -338,7 +338,7 @@ fn evaluate(
             found.tried[1] += lanes.fragment_coordinates.len();
             singles += spent;
         }
-        (operations, done, together) = (operations + spent, done + together, TOGETHER[1]);
+        (operations, done, together) = (operations + spent, done + together, BATCH[1]);
     }
     Ok(found)
 }
@@ -348,7 +348,7 @@ fn differing(programs: [&Program; 2], inputs: &Inputs, target: Target<'_>) -> Re
     let [one, other] = [programs[0].bind(inputs)?, programs[1].bind(inputs)?];
     let (mut operations, mut done) = (0, 0);
     while done < QUADS && operations < OPERATIONS {
-        let lanes = lanes_of(done..QUADS.min(done + TOGETHER[1]), target);
+        let lanes = lanes_of(done..QUADS.min(done + BATCH[1]), target);
         let [(a, spent), (b, _)] = [one.measure_within(&lanes, MOST_TURNS)?, other.measure_within(&lanes, MOST_TURNS)?];
         let bits = |outputs: &Outputs, lane: usize| -> Vec<u64> {
             let drawn = outputs.iter().filter(|(location, _)| **location != FAULTS);
@@ -357,7 +357,7 @@ fn differing(programs: [&Program; 2], inputs: &Inputs, target: Target<'_>) -> Re
         if let Some(lane) = (0..lanes.fragment_coordinates.len()).find(|lane| bits(&a, *lane) != bits(&b, *lane)) {
             return Ok(Some(pixel_of(&lanes, lane)));
         }
-        (operations, done) = (operations + spent, done + TOGETHER[1]);
+        (operations, done) = (operations + spent, done + BATCH[1]);
     }
     Ok(None)
 }

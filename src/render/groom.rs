@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Voxels in a batch of a thread.
-const TOGETHER: usize = 4096;
+const BATCH: usize = 4096;
 /// Entry file of the channels.
 const ENTRY: &str = "groom/entry.glsl";
 
@@ -103,7 +103,7 @@ pub fn fill_channel(program: &Path, groom: &mut Groom, channel: Channel, text: &
         let lanes = Invocations { fragment_coordinates: coordinates, varyings: [(0, places)].into() };
         Ok(bound.run::<f64>(&lanes)?.remove(&0).unwrap_or_default())
     };
-    let values = indices.par_chunks(TOGETHER).map(of_batch).collect::<Result<Vec<_>, _>>()?.concat();
+    let values = indices.par_chunks(BATCH).map(of_batch).collect::<Result<Vec<_>, _>>()?.concat();
     let mut found = [f64::INFINITY, f64::NEG_INFINITY];
     for (index, value) in values.iter().enumerate() {
         if let Some(value) = value.iter().find(|value| !value.is_finite()) {

@@ -27,7 +27,7 @@ const INPUTS: u64 = 3000;
 /// Changes of a text, at most.
 const CHANGES: u64 = 6;
 /// Bytes of an input, at most.
-const LONGEST: usize = 4096;
+const MAX_BYTES: usize = 4096;
 /// Inputs that break parsers.
 const WORDS: [&[u8]; 28] = [
     b"0",
@@ -83,7 +83,7 @@ fn input(seeds: &[Vec<u8>], random: &mut SplitMix) -> Vec<u8> {
                 drop(bytes.splice(at..at, part));
             }
         }
-        bytes.truncate(LONGEST);
+        bytes.truncate(MAX_BYTES);
     }
     bytes
 }

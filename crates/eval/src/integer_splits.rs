@@ -1,7 +1,7 @@
 //! Positions on a segment where numbers cross integers, and the parts between them.
 
 /// Most integers that a segment is split at. Higher: one more part each; longer segments have wide bounds anyway.
-const MOST: usize = 4;
+const MAX_SPLITS: usize = 4;
 /// Most times that a segment is split. Numbers that depend on lattice cells are narrower in the parts and cross integers
 /// elsewhere.
 const SPLITS: u32 = 2;
@@ -16,7 +16,7 @@ const OUTSIDE: [[f64; 2]; 2] = [[f64::NEG_INFINITY, -1.0 - NEAR], [1.0 + NEAR, f
 #[derive(Clone, Copy, Debug)]
 pub struct IntegerSplits {
     /// Ranges of the first `count` crossings.
-    crossings: [[f64; 2]; MOST],
+    crossings: [[f64; 2]; MAX_SPLITS],
     count: usize,
     /// Whether there are others, or crossings without a known position.
     is_incomplete: bool,
@@ -28,7 +28,7 @@ pub struct IntegerSplits {
 
 impl Default for IntegerSplits {
     fn default() -> IntegerSplits {
-        IntegerSplits { crossings: [[0.0; 2]; MOST], count: 0, is_incomplete: false, ends: OUTSIDE, depth: 0 }
+        IntegerSplits { crossings: [[0.0; 2]; MAX_SPLITS], count: 0, is_incomplete: false, ends: OUTSIDE, depth: 0 }
     }
 }
 
@@ -46,7 +46,7 @@ impl IntegerSplits {
             return false;
         }
         let apart = known.iter().all(|[low, high]| *high < from || to < *low);
-        if to - from < WIDEST && apart && self.count < MOST {
+        if to - from < WIDEST && apart && self.count < MAX_SPLITS {
             self.crossings[self.count] = [from - NEAR, to + NEAR];
             self.count += 1;
         } else {

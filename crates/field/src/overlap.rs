@@ -23,7 +23,7 @@ const VISITS: u64 = 8;
 const LEAST_VISITS: u64 = 24_000_000;
 const VISITS_OF_TRIANGLE: u64 = 2048;
 /// Pieces processed between two checks of the limit.
-const TOGETHER: usize = 1024;
+const BATCH: usize = 1024;
 
 /// Verdict on a piece.
 enum Fate {
@@ -39,7 +39,7 @@ pub(super) fn boundary(triangles: &[Triangle], winding: &Winding, samples: u64) 
     let (mut pieces, mut kept, mut is_tangled) = (triangles.to_vec(), Vec::new(), false);
     while !pieces.is_empty() {
         let mut next = Vec::new();
-        for pieces in pieces.chunks(TOGETHER) {
+        for pieces in pieces.chunks(BATCH) {
             if left == 0 {
                 kept.extend_from_slice(pieces);
                 is_tangled = true;

@@ -14,7 +14,7 @@ use super::weights::{NOISE_BOUND, Weights};
 const PIECE: f64 = 0.5;
 /// Longest box that is looked at, in lattice cells; longer ones get the range of all noise. Higher is much slower and hardly
 /// narrower.
-const LONGEST: f64 = 1.5;
+const MAX_BOX: f64 = 1.5;
 /// Most cells along an axis that such a box touches.
 const MOST_CELLS: usize = 3;
 /// Rounding errors of f64, and of GLSL constants, which have 32 bits.
@@ -50,7 +50,7 @@ fn for_each_cell(low: [f64; 3], high: [f64; 3], mut on: impl FnMut([&Parts; 3]))
     let mut counts = [0; 3];
     for axis in 0..3 {
         let [from, to] = [low[axis], high[axis]].map(|end| end.clamp(-FARTHEST, FARTHEST));
-        if (to - from).is_nan() || to - from > LONGEST {
+        if (to - from).is_nan() || to - from > MAX_BOX {
             return false;
         }
         let mut cell = from.floor();

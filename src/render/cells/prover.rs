@@ -33,7 +33,7 @@ const OPERATIONS: u64 = 4_000_000_000;
 /// Boxes that a thread evaluates at a time.
 const BOXES: usize = 512;
 /// Polling interval of `stop` during the loading of images.
-const LOOK: Duration = Duration::from_micros(200);
+const POLL: Duration = Duration::from_micros(200);
 /// Stack size of the loading thread, bytes: programs of tables recurse deeply.
 pub(super) const STACK: usize = 16 << 20;
 
@@ -142,7 +142,7 @@ impl CellProver {
             if stop() {
                 return Err(RenderError::Stopped);
             }
-            thread::sleep(LOOK);
+            thread::sleep(POLL);
         }
         match thread.take().map(JoinHandle::join) {
             Some(Ok(bounded)) => *self = CellProver::Ready(Box::new(bounded?)),

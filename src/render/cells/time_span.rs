@@ -4,7 +4,7 @@
 //! pictures, as many as possible without losing many empty cells; the second proof of an exposure covers all of it.
 
 /// Largest number of future pictures in a proof. Higher: no gain, since proofs take a small share of the time.
-const MOST: u32 = 64;
+const MAX_PICTURES: u32 = 64;
 /// Lowest share of the cells empty at one moment that must be empty over a span. Lower: rays take samples that shorter
 /// spans would save. Higher: more proofs.
 const KEPT: f32 = 0.95;
@@ -57,7 +57,7 @@ impl TimeSpan {
     pub(super) fn take(&mut self, timeless: Vec<u8>, times: [f32; 2], empty: f32) {
         self.made_for = self.to_share(times);
         self.pictures = match times[0] < times[1] {
-            true if empty >= KEPT * self.at_once => (2 * self.pictures).min(MOST),
+            true if empty >= KEPT * self.at_once => (2 * self.pictures).min(MAX_PICTURES),
             true => self.pictures / 2,
             false => 2,
         };

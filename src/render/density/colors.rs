@@ -11,7 +11,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 /// Points in a batch of a thread.
-const TOGETHER: usize = 1024;
+const BATCH: usize = 1024;
 
 /// Color of the matter at places in object space, linear RGB in \[0, 1\]: black where there is none.
 pub(super) fn colors(
@@ -29,7 +29,7 @@ pub(super) fn colors(
     inputs.blocks = cpu_inputs.moments(&program)?.into_iter().next().unwrap_or_default();
     let code = eval::Program::read(&program.fragment, &[(OCTAVES_ID, neutral.scene.effect.octaves)])?;
     let bound = code.bind(&inputs)?;
-    let colors = places.par_chunks(TOGETHER).map(|places| {
+    let colors = places.par_chunks(BATCH).map(|places| {
         let places = places.iter().map(|place| [place.x, place.y, place.z, 0.0]).collect();
         let lanes = eval::Invocations { fragment_coordinates: Vec::new(), varyings: [(0, places)].into() };
         let outputs = bound.run::<f64>(&lanes).map_err(RenderError::from)?;

@@ -18,7 +18,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 /// Points in a batch.
-const TOGETHER: usize = 1024;
+const BATCH: usize = 1024;
 
 /// Density of a scene at its first moment.
 pub(crate) struct DensityProgram {
@@ -141,7 +141,7 @@ pub fn densities(
     let density = program.bound(0.0)?;
     let (low, high) = (program.view.box_min.as_dvec3(), program.view.box_max.as_dvec3());
     let all: Vec<DVec3> = (0..places).map(|index| low + (high - low) * DVec3::from(scattered(index))).collect();
-    let found: Vec<Vec<f64>> = all.par_chunks(TOGETHER).map(|places| density.at(places)).collect::<Result<_, _>>()?;
+    let found: Vec<Vec<f64>> = all.par_chunks(BATCH).map(|places| density.at(places)).collect::<Result<_, _>>()?;
     let mut counts = vec![0; bins];
     for density in found.into_iter().flatten().filter(|density| *density > 0.0) {
         counts[((density * bins as f64) as usize).min(bins - 1)] += 1;

@@ -66,9 +66,9 @@ pub fn classify<E: Send>(
     transfer: &Transfer,
     densities: impl Fn(&[f32]) -> Result<Vec<f32>, E> + Sync,
 ) -> Result<Vec<u16>, E> {
-    const TOGETHER: usize = 4096;
+    const BATCH: usize = 4096;
     let mut texels = vec![0; field.values.len() * 4];
-    let parts = texels.par_chunks_mut(4 * TOGETHER).zip(field.values.par_chunks(TOGETHER));
+    let parts = texels.par_chunks_mut(4 * BATCH).zip(field.values.par_chunks(BATCH));
     parts.try_for_each(|(out, distances)| {
         for (out, density) in out.chunks_exact_mut(4).zip(densities(distances)?) {
             let matter = evaluate(transfer, density);

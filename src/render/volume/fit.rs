@@ -15,7 +15,7 @@ const PLACES: usize = 100_000;
 /// Leaves that the places are in.
 const LEAVES: usize = 4096;
 /// Places in a batch of a thread.
-const TOGETHER: usize = 1024;
+const BATCH: usize = 1024;
 /// Lowest order at which a finer grid is named: it would have 16 times the voxels along a side.
 const LEAST_ORDER: f64 = 0.25;
 
@@ -67,7 +67,7 @@ impl SampleOfLeaves {
         };
         let places: Vec<(usize, DVec3)> = (0..PLACES).map(|_| place()).collect();
         let density = plan.program.bound(0.0)?;
-        let errors = places.par_chunks(TOGETHER).map(|places| {
+        let errors = places.par_chunks(BATCH).map(|places| {
             let corner = |leaf: usize| DVec3::from(self.kept[leaf].0.map(f64::from));
             let exact =
                 density.at(&places.iter().map(|(leaf, at)| plan.place(corner(*leaf) + *at)).collect::<Vec<_>>())?;

@@ -15,9 +15,9 @@ use rayon::prelude::*;
 /// Sides of the boxes that are proven to be empty one after another, in voxels.
 const BOXES: [u32; 3] = [64, 16, FogLeaf::SIDE];
 /// Boxes that a thread evaluates at a time.
-const TOGETHER: usize = 128;
+const BATCH: usize = 128;
 /// Largest number of voxels along a side.
-const MOST: u32 = 2048;
+const MAX_SIDE: u32 = 2048;
 
 /// Voxels of a scene at its first moment, before their evaluation.
 pub struct VoxelPlan {
@@ -47,7 +47,7 @@ impl VoxelPlan {
         subject: &Subject,
         grid: u32,
     ) -> Result<VoxelPlan, VoxelError> {
-        if !(8..=MOST).contains(&grid) {
+        if !(8..=MAX_SIDE).contains(&grid) {
             return Err(VoxelError::Grid(grid));
         }
         let variant = scene.checked(library)?.into_owned();
@@ -84,11 +84,11 @@ impl VoxelPlan {
     /// [`eval`](crate::eval) does not cover the program.
     pub fn prove(&mut self, progress: Progress<'_>) -> Result<(), VoxelError> {
         let density = self.program.bound(f64::MIN_POSITIVE)?;
-        let mut side = MOST.next_multiple_of(BOXES[0]);
+        let mut side = MAX_SIDE.next_multiple_of(BOXES[0]);
         for (number, within) in BOXES.into_iter().enumerate() {
             let boxes: Vec<[u32; 3]> =
                 self.leaves.iter().flat_map(|corner| self.parts(*corner, side, within)).collect();
-            let open = boxes.par_chunks(TOGETHER).map(|boxes| {
+            let open = boxes.par_chunks(BATCH).map(|boxes| {
                 let ends = |corner: &[u32; 3]| {
                     let at = |more: f64| self.place(DVec3::from(corner.map(f64::from)) + more);
                     let [a, b] = [at(0.0), at(f64::from(within - 1))];

@@ -14,7 +14,7 @@ use crate::texture::Image;
 pub struct F32Interval(pub Interval);
 
 /// Relative error of a sum, product or quotient. Vulkan allows half an ulp and 2.5 ulp; reassociation adds to that.
-const RELATIVE: f64 = 16.0 * f32::EPSILON as f64;
+const RELATIVE_ERROR: f64 = 16.0 * f32::EPSILON as f64;
 /// Error of sine, cosine and the functions that Vulkan derives from them.
 const ANGLE: f64 = 1.0 / 2048.0;
 /// Relative error of exponentials and powers: 3 + 2 |x| ulp for exponents up to 128.
@@ -49,7 +49,7 @@ impl F32Interval {
     /// Widens a result by a few roundings.
     #[inline(always)]
     fn rounded(all: Interval) -> F32Interval {
-        let off = |x: f64| if x == 0.0 { 0.0 } else { x.abs() * RELATIVE + TINY };
+        let off = |x: f64| if x == 0.0 { 0.0 } else { x.abs() * RELATIVE_ERROR + TINY };
         F32Interval(Interval::known(all.lo - off(all.lo), all.hi + off(all.hi)))
     }
 
@@ -65,7 +65,7 @@ impl F32Interval {
     fn add(self, b: F32Interval) -> F32Interval {
         // Reassociated sums round their terms, which may be larger than the sum.
         let size = largest(self.0) + largest(b.0);
-        let (sum, off) = (self.0.add(b.0), size * RELATIVE);
+        let (sum, off) = (self.0.add(b.0), size * RELATIVE_ERROR);
         F32Interval(Interval::known(sum.lo - off, sum.hi + off)).or_exact(self, b, self.0.lo + b.0.lo)
     }
 
@@ -76,7 +76,7 @@ impl F32Interval {
         let near = quotient.unary(Unary::Fract);
         let safe = near.lo > 1e-4 && near.hi < 1.0 - 1e-4 && largest(quotient) < 256.0;
         let all = self.0.binary(Binary::Rem, b.0);
-        F32Interval::widened(all, RELATIVE, if safe { off * 256.0 * RELATIVE } else { 2.0 * off })
+        F32Interval::widened(all, RELATIVE_ERROR, if safe { off * 256.0 * RELATIVE_ERROR } else { 2.0 * off })
     }
 }
 
@@ -137,7 +137,7 @@ impl Number for F32Interval {
             Unary::Fract => clamped(F32Interval::rounded(all), 0.0, 1.0),
             Unary::Square | Unary::Sqrt | Unary::InverseSqrt => F32Interval::rounded(all),
             Unary::Exp | Unary::Exp2 => F32Interval::widened(all, POWER, TINY),
-            Unary::Log | Unary::Log2 => F32Interval::widened(all, RELATIVE, LOGARITHM),
+            Unary::Log | Unary::Log2 => F32Interval::widened(all, RELATIVE_ERROR, LOGARITHM),
             Unary::Sin | Unary::Cos => clamped(F32Interval::widened(all, 0.0, ANGLE), -1.0, 1.0),
             _ => F32Interval::widened(all, ANGLE, ANGLE),
         }
@@ -159,7 +159,7 @@ impl Number for F32Interval {
     #[inline(always)]
     fn mix(self, b: F32Interval, t: F32Interval) -> F32Interval {
         let size = (largest(self.0) + largest(b.0)) * (1.0 + largest(t.0));
-        F32Interval::widened(self.0.mix(b.0, t.0), 0.0, RELATIVE * size)
+        F32Interval::widened(self.0.mix(b.0, t.0), 0.0, RELATIVE_ERROR * size)
     }
     #[inline(always)]
     fn compare(self, comparison: Comparison, b: F32Interval) -> Tri {
@@ -193,7 +193,7 @@ impl Number for F32Interval {
         let mut within = at.map(|at| at.0);
         for (axis, within) in within.iter_mut().enumerate().take(image.axes) {
             let weight = if image.noise.is_some() { 0.0 } else { WEIGHT / f64::from(image.size[axis]) };
-            *within = F32Interval::widened(*within, RELATIVE, weight).0;
+            *within = F32Interval::widened(*within, RELATIVE_ERROR, weight).0;
         }
         let found = Interval::sample(image, within, level.0, wanted);
         // Filtering texels of 0 is exact.

@@ -10,7 +10,7 @@ use crate::number::{Binary, Comparison, IntBinary, Unary};
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 /// Most instructions of both sides together. Higher: unneeded instructions. Lower: more branches.
-const MOST: usize = 16;
+const MAX_INSTRUCTIONS: usize = 16;
 
 /// Converts the short branches of a program.
 pub fn flatten(code: &mut Code, classes: &mut [Vec<Class>; 3]) {
@@ -96,7 +96,7 @@ impl Flatten<'_> {
         !condition.uniform
             && !self.comparisons.contains(&condition)
             && sides.iter().all(|side| matches!(side, [] | [Node::Run(..)]))
-            && instrs.len() <= MOST
+            && instrs.len() <= MAX_INSTRUCTIONS
             && instrs.iter().all(|instr| is_cheap(instr.op) && instr.dst != condition)
     }
 

@@ -16,7 +16,8 @@ const SMOOTHINGS: usize = 2;
 /// Least prominence of a peak relative to the highest one. Lower: noise passes for boundaries. Higher: bone inside of tissue is
 /// missed.
 const PROMINENCE: f64 = 0.12;
-const MOST: usize = 4;
+/// Most peaks of a histogram: the most prominent ones.
+const MAX_PEAKS: usize = 4;
 /// Approximate number of voxels sampled: rows of larger volumes are skipped.
 const VOXELS: usize = 4 << 20;
 
@@ -121,7 +122,7 @@ impl Histogram {
             }
         }
         peaks.sort_by(|a, b| b.1.total_cmp(&a.1));
-        peaks.truncate(MOST);
+        peaks.truncate(MAX_PEAKS);
         peaks.sort_by_key(|(bin, _)| *bin);
         let (low, high) = (f64::from(self.range.0), f64::from(self.range.1));
         let value = |bin: usize| low + (bin as f64 + 0.5) * (high - low) / BINS as f64;
