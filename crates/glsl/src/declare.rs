@@ -240,9 +240,10 @@ type Read = Option<Result<Parameter, (String, String)>>;
 fn parameter_name(text: &str) -> Result<String, (String, String)> {
     let name = text.trim();
     identifier(name).ok_or_else(|| {
-        let reason = match is_reserved(name) {
-            true => "GLSL reserves this name; choose another",
-            false => "a name has a-z, 0-9 and _, a letter first",
+        let reason = if is_reserved(name) {
+            "GLSL reserves this name; choose another"
+        } else {
+            "a name has a-z, 0-9 and _, a letter first"
         };
         (name.into(), reason.into())
     })
@@ -262,9 +263,12 @@ fn parameter(text: &str) -> Read {
         None if !(low..=high).contains(&value) => format!("the default {value} is outside of [{low}, {high}]"),
         None => String::new(),
     };
-    let valid = |name: String| match reason.is_empty() {
-        true => Ok(Parameter { name, kind: ParameterKind::Number(value, [low, high]), doc: doc.trim().into() }),
-        false => Err((name, reason)),
+    let valid = |name: String| {
+        if reason.is_empty() {
+            Ok(Parameter { name, kind: ParameterKind::Number(value, [low, high]), doc: doc.trim().into() })
+        } else {
+            Err((name, reason))
+        }
     };
     Some(parameter_name(name).and_then(valid))
 }

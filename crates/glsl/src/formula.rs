@@ -144,9 +144,8 @@ impl Formula {
 impl std::fmt::Display for Formula {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         // Operands of an operator that binds closer than their own are in parentheses.
-        let operand = |f: &mut std::fmt::Formatter<'_>, of: &Formula, rank: u8| match of.rank() < rank {
-            true => write!(f, "({of})"),
-            false => write!(f, "{of}"),
+        let operand = |f: &mut std::fmt::Formatter<'_>, of: &Formula, rank: u8| {
+            if of.rank() < rank { write!(f, "({of})") } else { write!(f, "{of}") }
         };
         let (a, sign, b, right) = match self {
             Formula::Object(name) => return f.write_str(name),

@@ -41,9 +41,10 @@ pub(super) fn compiled(text: &Text<'_>, include: &Include<'_>) -> Result<Vec<u32
     let compiler = |error: shaderc::Error| LinkError::Compiler(error.to_string());
     let mut options = shaderc::CompileOptions::new().map_err(compiler)?;
     options.set_target_env(shaderc::TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_1 as u32);
-    options.set_optimization_level(match text.is_optimized {
-        true => shaderc::OptimizationLevel::Performance,
-        false => shaderc::OptimizationLevel::Zero,
+    options.set_optimization_level(if text.is_optimized {
+        shaderc::OptimizationLevel::Performance
+    } else {
+        shaderc::OptimizationLevel::Zero
     });
     options.set_generate_debug_info();
     options.set_warnings_as_errors();

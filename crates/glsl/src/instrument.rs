@@ -55,9 +55,12 @@ impl Library {
         let is_called = |name: &str| {
             self.sources().any(|(path, text)| path.split('/').next() != Some(slot) && words(text).contains(&name))
         };
-        let mut needed = heads.iter().filter(|head| match is_named {
-            true => head.name == first,
-            false => rest.iter().all(|(_, functions)| has(functions, head.name)) && is_called(head.name),
+        let mut needed = heads.iter().filter(|head| {
+            if is_named {
+                head.name == first
+            } else {
+                rest.iter().all(|(_, functions)| has(functions, head.name)) && is_called(head.name)
+            }
         });
         let missing = needed.find_map(|head| {
             let head = Function { name: if is_named { name } else { head.name }, ..head.clone() };

@@ -333,11 +333,13 @@ fn parameter_block(
         ParameterKind::Color(_) => "vec4",
     };
     let (mut members, mut constants) = (Vec::new(), String::new());
-    let mut add =
-        |kind: &str, object: &str, name: &str, suffix: &str| match folded(slots).contains(&qualified(object, name)) {
-            true => constants.push_str(&zero_constant(kind, &suffixed(name, suffix))),
-            false => members.push(format!("{kind} {}", suffixed(name, suffix))),
-        };
+    let mut add = |kind: &str, object: &str, name: &str, suffix: &str| {
+        if folded(slots).contains(&qualified(object, name)) {
+            constants.push_str(&zero_constant(kind, &suffixed(name, suffix)))
+        } else {
+            members.push(format!("{kind} {}", suffixed(name, suffix)))
+        }
+    };
     for own in &library.declarations(entries, slots)?.parameters {
         add(kind(own), "", &own.name, "");
     }

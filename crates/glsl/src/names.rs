@@ -173,9 +173,10 @@ pub fn rename(text: &str, names: &BTreeSet<String>, suffix: &str) -> String {
     while let Some(token) = tokens.next() {
         in_structure = token == "{" && before_last == "struct" || in_structure && token != "}";
         let field = last == "." || in_structure && tokens.peek() == Some(&";");
-        match !field && names.contains(token) {
-            true => out += &suffixed(token, suffix),
-            false => out += token,
+        if !field && names.contains(token) {
+            out += &suffixed(token, suffix)
+        } else {
+            out += token
         }
         if !token.starts_with(char::is_whitespace) {
             (before_last, last) = (last, token);

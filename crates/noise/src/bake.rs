@@ -370,9 +370,10 @@ mod tests {
                 let side = size as usize;
                 let at = [index % side, index / side % side, index / side / side];
                 let p = at.map(|i| (i as f64 + 0.5) / f64::from(size) * f64::from(cells));
-                let (gradient, truth) = match absolute {
-                    true => lattice.turbulence(p, Period::growing(cells), octaves),
-                    false => lattice.sample(p, cells),
+                let (gradient, truth) = if absolute {
+                    lattice.turbulence(p, Period::growing(cells), octaves)
+                } else {
+                    lattice.sample(p, cells)
                 };
                 off = off.max((f64::from(*value) - truth).abs());
                 for (slopes, slope) in block.gradient.iter().zip(gradient) {

@@ -26,9 +26,10 @@ impl Lattice {
     /// Range of the noise of `knots` over a box in lattice cells.
     pub fn range(self, knots: Knots, low: [f64; 3], high: [f64; 3]) -> [f64; 2] {
         let mut all = EMPTY;
-        match for_each_cell(low, high, |cell| self.weights.include(&mut all, cell, knots)) {
-            true => [(all[0] - ROUNDED).max(-NOISE_BOUND), (all[1] + ROUNDED).min(NOISE_BOUND)],
-            false => [-NOISE_BOUND, NOISE_BOUND],
+        if for_each_cell(low, high, |cell| self.weights.include(&mut all, cell, knots)) {
+            [(all[0] - ROUNDED).max(-NOISE_BOUND), (all[1] + ROUNDED).min(NOISE_BOUND)]
+        } else {
+            [-NOISE_BOUND, NOISE_BOUND]
         }
     }
 
@@ -36,9 +37,10 @@ impl Lattice {
     pub fn gradient_range(self, knots: Knots, low: [f64; 3], high: [f64; 3]) -> [[f64; 2]; 3] {
         let steepest = knots.steepest();
         let mut all = [EMPTY; 3];
-        match for_each_cell(low, high, |cell| self.weights.include_gradient(&mut all, cell, knots)) {
-            true => all.map(|[low, high]| [(low - ROUNDED).max(-steepest), (high + ROUNDED).min(steepest)]),
-            false => [[-steepest, steepest]; 3],
+        if for_each_cell(low, high, |cell| self.weights.include_gradient(&mut all, cell, knots)) {
+            all.map(|[low, high]| [(low - ROUNDED).max(-steepest), (high + ROUNDED).min(steepest)])
+        } else {
+            [[-steepest, steepest]; 3]
         }
     }
 }
@@ -81,9 +83,10 @@ struct Parts {
 impl Parts {
     fn of(low: f64, high: f64, base: i32) -> Parts {
         let [from, to] = [low.max(0.0), high.min(1.0)];
-        match to - from > PIECE {
-            true => Parts { base, ends: [from, 0.5 * (from + to), to], count: 2 },
-            false => Parts { base, ends: [from, to, to], count: 1 },
+        if to - from > PIECE {
+            Parts { base, ends: [from, 0.5 * (from + to), to], count: 2 }
+        } else {
+            Parts { base, ends: [from, to, to], count: 1 }
         }
     }
 }

@@ -95,9 +95,10 @@ impl Lower<'_> {
         let scalar = |reg: Reg| Value::new(Ty::Scalar(ScalarType::Float), vec![reg]);
         Ok(match function {
             M::Clamp => {
-                let (min, max) = match float {
-                    true => (Op::Binary(Binary::Min), Op::Binary(Binary::Max)),
-                    false => (Op::Int(IntBinary::Min), Op::Int(IntBinary::Max)),
+                let (min, max) = if float {
+                    (Op::Binary(Binary::Min), Op::Binary(Binary::Max))
+                } else {
+                    (Op::Int(IntBinary::Min), Op::Int(IntBinary::Max))
                 };
                 let (zero, one) = (self.float(0.0), self.float(1.0));
                 let (low, high) = (second(), third());

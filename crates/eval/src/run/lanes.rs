@@ -228,9 +228,10 @@ impl<T: Packed> Rows<T> {
     #[inline(always)]
     pub fn read(&self, reg: Reg) -> Operand<'_, T> {
         // The prelude computes uniform registers in rows.
-        match reg.uniform && !self.uniforms.is_empty() {
-            true => Operand::Uniform(self.uniforms[reg.index as usize]),
-            false => Operand::Lanes(&self.rows[reg.index as usize]),
+        if reg.uniform && !self.uniforms.is_empty() {
+            Operand::Uniform(self.uniforms[reg.index as usize])
+        } else {
+            Operand::Lanes(&self.rows[reg.index as usize])
         }
     }
 }

@@ -156,9 +156,10 @@ impl<'m, 'a> Flow<'m, 'a> {
         let mut run = Run::new(call.0, function, self.is_own(function.line), depth);
         let mut state = State { variables: call.2.clone(), ..State::default() };
         for (parameter, codes) in function.parameters.iter().zip(&call.1) {
-            match self.model.is_pointer(*parameter) {
-                true => drop(state.variables.insert(*parameter, codes.clone())),
-                false => drop(run.values.insert(*parameter, codes.clone())),
+            if self.model.is_pointer(*parameter) {
+                drop(state.variables.insert(*parameter, codes.clone()))
+            } else {
+                drop(run.values.insert(*parameter, codes.clone()))
             }
         }
         // The state at the entry of each block; of a loop also that of its further turns.

@@ -203,9 +203,10 @@ impl pulp::NullaryFnOnce for HalfRow<'_> {
         for (chunk, values) in values.chunks_mut(LANES).enumerate() {
             let x = std::array::from_fn(|lane| low.x + step * (chunk * LANES + lane) as f32);
             let skin = distances(x, [low.y, low.z], skin.0, skin.1);
-            let bone = match skin.iter().any(|skin| *skin < 0.0) {
-                true => distances(x, [low.y, low.z], bone.0, bone.1),
-                false => [f32::MAX; LANES],
+            let bone = if skin.iter().any(|skin| *skin < 0.0) {
+                distances(x, [low.y, low.z], bone.0, bone.1)
+            } else {
+                [f32::MAX; LANES]
             };
             for ((value, skin), bone) in values.iter_mut().zip(skin).zip(bone) {
                 let bone = if skin < 0.0 { bone.max(skin + FLESH) } else { f32::MAX };

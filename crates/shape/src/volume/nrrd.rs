@@ -219,9 +219,10 @@ impl NrrdHeader {
             }
             _ => {
                 let is_long = space.contains('-');
-                let letters: String = match is_long {
-                    true => space.split('-').filter_map(|word| word.chars().next()).collect(),
-                    false => space.into(),
+                let letters: String = if is_long {
+                    space.split('-').filter_map(|word| word.chars().next()).collect()
+                } else {
+                    space.into()
                 };
                 let known = |word: &str| SIDES.contains(&word) || !is_long;
                 let found = Space::of(&letters).filter(|_| space.split('-').all(known));

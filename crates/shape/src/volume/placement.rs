@@ -151,9 +151,10 @@ impl Placement {
             return Err(ShapeError::NotFinite { file: source.file.clone(), what: "voxels", count, total, first });
         }
         let known = values.iter().copied().filter(|value| value.is_finite());
-        let outside = match is_scalar {
-            true => known.fold(f32::INFINITY, f32::min),
-            false => known.fold(lengths(&self.steps).max_element() as f32, f32::max),
+        let outside = if is_scalar {
+            known.fold(f32::INFINITY, f32::min)
+        } else {
+            known.fold(lengths(&self.steps).max_element() as f32, f32::max)
         };
         values.iter_mut().filter(|value| is_unknown(value)).for_each(|value| *value = outside);
         source

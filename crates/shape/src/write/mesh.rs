@@ -112,9 +112,10 @@ fn write_ply(mesh: &Mesh, looks: Option<&Looks>, to: &mut impl Write) -> io::Res
     }
     writeln!(to, "element face {}\nproperty list uchar uint vertex_indices\nend_header", mesh.triangles.len())?;
     for (index, (near, far)) in mesh.positions.iter().zip(places(mesh)).enumerate() {
-        match is_far {
-            true => far.to_array().iter().try_for_each(|number| to.write_all(&number.to_le_bytes()))?,
-            false => write_floats(&near.to_array(), to)?,
+        if is_far {
+            far.to_array().iter().try_for_each(|number| to.write_all(&number.to_le_bytes()))?
+        } else {
+            write_floats(&near.to_array(), to)?
         }
         if let Some(normal) = normals.get(index) {
             write_floats(&normal.to_array(), to)?;
@@ -133,9 +134,10 @@ fn write_ply(mesh: &Mesh, looks: Option<&Looks>, to: &mut impl Write) -> io::Res
 fn write_obj(mesh: &Mesh, looks: Option<&Looks>, to: &mut impl Write) -> io::Result<()> {
     let is_far = mesh.offset != DVec3::ZERO;
     for (index, (near, far)) in mesh.positions.iter().zip(places(mesh)).enumerate() {
-        match is_far {
-            true => write!(to, "v {} {} {}", far.x, far.y, far.z)?,
-            false => write!(to, "v {} {} {}", near.x, near.y, near.z)?,
+        if is_far {
+            write!(to, "v {} {} {}", far.x, far.y, far.z)?
+        } else {
+            write!(to, "v {} {} {}", near.x, near.y, near.z)?
         }
         match looks.map(|looks| looks.srgb(index)) {
             Some([red, green, blue]) => writeln!(to, " {red} {green} {blue}")?,

@@ -27,9 +27,8 @@ impl HeaderBytes {
 
     /// Writes floats.
     fn numbers(&mut self, at: usize, numbers: &[f64]) {
-        let bits = |number: &f64| match self.layout.is_wide {
-            true => number.to_bits() as i64,
-            false => i64::from((*number as f32).to_bits()),
+        let bits = |number: &f64| {
+            if self.layout.is_wide { number.to_bits() as i64 } else { i64::from((*number as f32).to_bits()) }
         };
         let bits: Vec<i64> = numbers.iter().map(bits).collect();
         self.integers(at, self.layout.widths().0, &bits);
@@ -54,9 +53,10 @@ pub(crate) fn write(volume: &Volume, to: &mut dyn Write) -> io::Result<()> {
     header.integers(layout.datatype, 2, &[16]);
     header.integers(layout.bitpix, 2, &[32]);
     let data = header.bytes.len();
-    match is_wide {
-        true => header.integers(layout.offset, 8, &[data as i64]),
-        false => header.numbers(layout.offset, &[data as f64]),
+    if is_wide {
+        header.integers(layout.offset, 8, &[data as i64])
+    } else {
+        header.numbers(layout.offset, &[data as f64])
     }
     header.numbers(layout.scale, &[1.0, 0.0]);
     if volume.content == Content::SignedDistance {

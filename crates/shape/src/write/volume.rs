@@ -53,9 +53,10 @@ impl VolumeFormat {
         is_lost.then(|| {
             let [x, y, z] = steps.to_cols_array_2d();
             let spacing = [x[0], y[1], z[2]];
-            let steps = match steps == Mat3::from_diagonal(spacing.into()) {
-                true => format!("spacing {spacing:?}"),
-                false => format!("steps {x:?}, {y:?}, {z:?}"),
+            let steps = if steps == Mat3::from_diagonal(spacing.into()) {
+                format!("spacing {spacing:?}")
+            } else {
+                format!("steps {x:?}, {y:?}, {z:?}")
             };
             format!("not in the file: origin {:?}, {steps}, world units", origin.to_array())
         })

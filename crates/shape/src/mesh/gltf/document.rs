@@ -271,9 +271,10 @@ fn is_key(json: &[u8], name: &str) -> bool {
 }
 
 fn unread(source: &Source, place: String, name: &str) -> ShapeError {
-    let remedy = match name.ends_with("_compression") {
-        true => "export it without compression, or unpack it first (`gltf-transform copy in.glb out.glb`)",
-        false => "export it without this extension",
+    let remedy = if name.ends_with("_compression") {
+        "export it without compression, or unpack it first (`gltf-transform copy in.glb out.glb`)"
+    } else {
+        "export it without this extension"
     };
     unsupported(source, place, "the extension", quoted(name.as_bytes()), remedy)
 }

@@ -29,10 +29,8 @@ pub(crate) fn recognizes(start: &[u8], _len: u64) -> bool {
 /// without positions are left out, and skins, morph targets and cut-outs by alphaMode are not applied, with notes. Compressed
 /// and instanced geometry is refused.
 pub(crate) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
-    let (json, binary) = match source.peek()?.starts_with(b"glTF") {
-        true => chunks(source)?,
-        false => (json(source, source.remaining())?, None),
-    };
+    let (json, binary) =
+        if source.peek()?.starts_with(b"glTF") { chunks(source)? } else { (json(source, source.remaining())?, None) };
     let document = document::parse(source, &json)?;
     let materials = source.is_painted.then(|| Materials::parse(source, &json)).transpose()?;
     let data = Data::new(source, &document, binary);

@@ -322,10 +322,8 @@ impl<'s, 'a> NiftiHeader<'s, 'a> {
     /// Space, position of the first sample and steps: from the sform, else the qform, else the spacing alone.
     fn placement(&self) -> Result<(Space, (DVec3, DMat3)), ShapeError> {
         let (layout, (number, _, code)) = (self.layout, self.layout.widths());
-        let [qform, sform] = match self.is_analyze {
-            true => [0; 2],
-            false => [0, 1].map(|i| self.integer(layout.codes + i * code, code)),
-        };
+        let [qform, sform] =
+            if self.is_analyze { [0; 2] } else { [0, 1].map(|i| self.integer(layout.codes + i * code, code)) };
         let rows_at = layout.forms + 6 * number;
         let [x, y, z] = [0, 4, 8].map(|i| self.numbers::<4>(rows_at + i * number));
         let column = |i: usize| DVec3::new(x[i], y[i], z[i]);

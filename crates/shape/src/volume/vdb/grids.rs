@@ -44,9 +44,10 @@ pub(crate) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     Metadata::read(source)?;
     let count = source.u32("the number of grids")?;
     let fits = |bytes: u64| memory::available().is_none_or(|free| bytes < free / 2);
-    match count > 1 && header.has_offsets && fits(source.remaining()) {
-        true => select_held(source, &header, count),
-        false => select(source, &header, count),
+    if count > 1 && header.has_offsets && fits(source.remaining()) {
+        select_held(source, &header, count)
+    } else {
+        select(source, &header, count)
     }
 }
 
@@ -144,11 +145,10 @@ fn rank(source: &Source, grid: &Grid) -> usize {
 /// Error of grids without active voxels.
 fn no_voxels(source: &Source, empty: &[String], others: &[String]) -> ShapeError {
     let own = format!("{} without active voxels", first_few(empty, ", "));
-    let (found, remedy) = match others.is_empty() {
-        true => (own, "export it with a grid that has some"),
-        false => {
-            (format!("{own} (others: {})", first_few(others, ", ")), "choose another one by --grid NAME or object.grid")
-        }
+    let (found, remedy) = if others.is_empty() {
+        (own, "export it with a grid that has some")
+    } else {
+        (format!("{own} (others: {})", first_few(others, ", ")), "choose another one by --grid NAME or object.grid")
     };
     source.unsupported(Location::Header, "the grid", found, remedy)
 }

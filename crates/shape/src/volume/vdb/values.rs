@@ -76,9 +76,12 @@ impl ValueEncoding {
             return self.stored(source, places);
         }
         let mut stored = self.stored(source, count(active))?.into_iter();
-        let value = |index| match is_on(active, index) {
-            true => stored.next().unwrap_or(outside),
-            false => inactive[usize::from(is_on(&is_second, index))],
+        let value = |index| {
+            if is_on(active, index) {
+                stored.next().unwrap_or(outside)
+            } else {
+                inactive[usize::from(is_on(&is_second, index))]
+            }
         };
         Ok((0..places).map(value).collect())
     }

@@ -66,9 +66,10 @@ impl FogLeaf {
         }
         let mut packer = Compress::new(LEVEL, true);
         let mut block = |values: &Vec<f32>| {
-            let bytes: Vec<u8> = match is_half {
-                true => values.iter().flat_map(|value| f16::from_f32(*value).to_le_bytes()).collect(),
-                false => values.iter().flat_map(|value| value.to_le_bytes()).collect(),
+            let bytes: Vec<u8> = if is_half {
+                values.iter().flat_map(|value| f16::from_f32(*value).to_le_bytes()).collect()
+            } else {
+                values.iter().flat_map(|value| value.to_le_bytes()).collect()
             };
             leaf(&mask, &bytes, &mut packer)
         };
