@@ -8,7 +8,7 @@ use crate::eval::{ExactError, FAULTS, Fault, Inputs, Invocations, Overflow, Prog
 use crate::render::error::RenderError;
 use crate::render::inputs::CpuInputs;
 use crate::render::subject::Subject;
-use crate::render::variant::{self, Checkable, OCTAVES_ID, Purpose, Use, Variant, bindings};
+use crate::render::variant::{self, Checkable, OCTAVES_ID, PassImage, Purpose, Use, Variant};
 use crate::scene::{ParameterValue, Pass};
 use crate::shader::{Library, changed, undefined};
 use std::collections::BTreeMap;
@@ -213,7 +213,7 @@ impl Trial<'_> {
         inputs.blocks = cpu_inputs.moments(program)?.into_iter().next().unwrap_or_default();
         for image in program.resources.iter().filter(|resource| matches!(resource.holds, Use::Image)) {
             // Images that are rendered with the picture: full light, and no empty cells.
-            let value = if image.name == bindings::CELLS { 0.0 } else { 1.0 };
+            let value = if image.image() == Some((PassImage::Cells.into(), "")) { 0.0 } else { 1.0 };
             let plain = || Texture { size: [1; 3], texels: vec![[value; 4]] };
             inputs.images.entry(image.binding).or_insert_with(plain);
         }

@@ -8,7 +8,7 @@ use super::camera::{FrameContext, SubFrame, slant};
 use super::error::RenderError;
 use super::inputs::Inputs;
 use super::subject::{Subject, field_margin};
-use super::variant::{Program, Purpose, Variant, VariantError, bindings};
+use super::variant::{PassImage, Program, Purpose, Variant, VariantError};
 use crate::field::Progress;
 use crate::gpu::{Address, Dimension, Format};
 use crate::scene::schema::{Changes, setting};
@@ -163,7 +163,7 @@ impl Portable {
         let whole = carried(scene)?;
         let variant = variant_of(&whole)?;
         let mut programs = vec![program("picture", &variant, library)?];
-        if programs[0].program.reads(bindings::SHADOW) {
+        if programs[0].program.reads_image(PassImage::Shadow) {
             let shadow = variant.for_purpose(Purpose::Shadow, library)?.without_two_phase().without_cells();
             programs.push(program("shadow", &shadow, library)?);
         }

@@ -5,12 +5,12 @@
 //! Sums of octaves stay. Invariant: only shipped noise is replaced, since the range belongs to its text.
 
 use crate::noise::{Lattice, Weights};
-use crate::render::variant::{Program, Variant, bindings, slot_of};
-use crate::shader::{self, Library};
+use crate::render::variant::{PassImage, Program, Variant, slot_of};
+use crate::shader::{self, Library, find_word};
 
-/// Binding of the replaced noise. Programs that decide about cells do not read the cell grid.
-pub const LOOKED_UP: &str = bindings::CELLS;
-/// Name of the binding's accessor in GLSL.
+/// Image of the replaced noise. Programs that decide about cells do not read the cell grid.
+pub const LOOKED_UP: PassImage = PassImage::Cells;
+/// Name of the image's accessor in GLSL.
 const NAME: &str = "cell_grid";
 /// Replaced files and their replacements. The level of a lookup is that of
 /// [`Knots::of_level`](crate::noise::Knots::of_level).
@@ -47,8 +47,8 @@ pub(super) fn ranged(variant: &Variant, library: &Library) -> Option<(Library, L
         return None;
     }
     // A custom module may read cells.
-    let reads_cells = |text: &str| text.contains(NAME) || text.contains(LOOKED_UP);
-    if library.sources().any(|(path, text)| reads_cells(text) && differs(path)) {
+    let names_cells = |text: &str| find_word(text, |word| word == NAME || word == LOOKED_UP.binding()).is_some();
+    if library.sources().any(|(path, text)| differs(path) && names_cells(text)) {
         return None;
     }
     let are = |module: &str| {

@@ -12,7 +12,7 @@ use crate::gpu::{Area, Dimension, Format, Gpu, Image, Uploads};
 use crate::render::camera::FrameContext;
 use crate::render::error::RenderError;
 use crate::render::inputs::{ImageInfo, Values};
-use crate::render::variant::{Variant, VariantError};
+use crate::render::variant::{PassImage, Variant, VariantError};
 use crate::scene::{Pass, RayPath, Scene};
 use crate::shader::Library;
 use serde::{Deserialize, Serialize};
@@ -237,7 +237,7 @@ fn serve(frame: &FrameContext, library: &Library) -> bool {
 
 /// Uploads a cube of cells, each with its distance to one that may hold matter.
 pub(crate) fn image(gpu: &Gpu, uploads: &Uploads, side: u32, texels: &[u8]) -> Result<Arc<Image>, RenderError> {
-    Ok(uploads.image(gpu, "cells", Dimension::Volume(side, side, side), Format::R8Unorm, texels)?)
+    Ok(uploads.image(gpu, PassImage::Cells.label(), Dimension::Volume(side, side, side), Format::R8Unorm, texels)?)
 }
 
 /// Cells along a side that pay for a picture, given the texels that bounds read and the number of `pictures` that share

@@ -8,7 +8,7 @@ use crate::noise::Lattice;
 use crate::render::camera::FrameContext;
 use crate::render::error::RenderError;
 use crate::render::inputs::{ImageInfo, Inputs, Values, apart, blocks_at, texture, wrap};
-use crate::render::variant::{OCTAVES_ID, Program, Purpose, Resource, Variant, VariantError};
+use crate::render::variant::{ImageInput, OCTAVES_ID, Program, Purpose, Resource, Variant, VariantError};
 use crate::shader::{Library, Linker};
 use hypertexture_support::disk_cache::{self, CacheKind};
 use rayon::prelude::*;
@@ -113,7 +113,8 @@ impl CellProver {
         let fingerprint = code.fingerprint();
         let is_read = |binding: &u32| fingerprint.images.iter().any(|(image, _)| image == binding);
         let read = program.resources.iter().filter(|resource| is_read(&resource.binding));
-        let read = read.filter(|resource| noise.is_none() || resource.name != bounded_noise::LOOKED_UP);
+        let read = read
+            .filter(|resource| noise.is_none() || Some(resource.binding) != program.image(bounded_noise::LOOKED_UP));
         let read: Vec<ImageInfo> = read.filter_map(|resource| image_of(&resource.name)).collect();
         if let Some(image) = read.iter().find(|image| (image.channels, image.bits) == (4, 8)) {
             let why = format!("the {} has 8 bits, and some devices interpolate it with 8 bits", image.name);
@@ -161,8 +162,7 @@ impl BoundedProgram {
         (mut program, code, fingerprint): (Program, eval::Program, Fingerprint),
         (texels, noise): (u64, Option<Lattice>),
     ) -> Result<BoundedProgram, RenderError> {
-        let is_noise = |resource: &&mut Resource| noise.is_some() && resource.name == bounded_noise::LOOKED_UP;
-        let place = program.resources.iter_mut().find(is_noise).map(|resource| resource.binding);
+        let place = program.image(bounded_noise::LOOKED_UP).filter(|_| noise.is_some());
         program.resources.retain(|resource| Some(resource.binding) != place);
         let Inputs { mut images, samplers, .. } = Inputs::new(library, frame, &program, &|_| ())?;
         images.retain(|(binding, _)| fingerprint.images.iter().any(|(image, _)| image == binding));
@@ -178,7 +178,10 @@ impl BoundedProgram {
         hash.update(format!("{noise:?}").as_bytes());
         let hash = hash.finalize();
         let images = images.iter().map(|(binding, image)| (*binding, texture(image))).collect();
-        let of_device = |own: &Resource| Some((own.binding, apart(&frame.variant.scene, &own.name)?));
+        let of_device = |own: &Resource| match own.image()? {
+            (ImageInput::Noise(image), _) => Some((own.binding, apart(&frame.variant.scene, image)?)),
+            _ => None,
+        };
         let inexact = program.resources.iter().filter_map(of_device).collect();
         let samplers = samplers.iter().map(|(binding, filter)| (*binding, wrap(filter.address))).collect();
         let noises = place.zip(noise).into_iter().collect();

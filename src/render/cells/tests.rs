@@ -9,7 +9,7 @@ use crate::render::camera::{FrameContext, SubFrame};
 use crate::render::error::RenderError;
 use crate::render::inputs::{CpuInputs, ImageInfo, Inputs, Values};
 use crate::render::subject::Subject;
-use crate::render::variant::{OCTAVES_ID, Program, Purpose, Variant, bindings};
+use crate::render::variant::{OCTAVES_ID, PassImage, Program, Purpose, Variant};
 use crate::scene::{Order, Pass, Projection, RayPath, Scene, names, preset};
 use crate::shader::{self, Library, Linker, ParameterKind};
 use hypertexture_support::random::SplitMix;
@@ -68,7 +68,7 @@ fn prover(
         let binding = program.binding(name)?;
         let (_, image) = inputs.images.iter().find(|(own, _)| *own == binding)?;
         let bits = 8 * image.format.bytes() as u32 / image.format.channels();
-        let (name, channels, bytes) = (image.name.into(), image.format.channels(), image.bytes.len() as u64);
+        let (name, channels, bytes) = (image.image.label().into(), image.format.channels(), image.bytes.len() as u64);
         Some(ImageInfo { name, size: image.dimension.size(), channels, bits, bytes })
     };
     let mut prover = CellProver::new(library, frame, &image_of, pays).unwrap();
@@ -124,7 +124,7 @@ pub(super) fn drawn(scene: &Scene, library: &Library, frame: &FrameContext) -> (
 fn judge(scene: &Scene, side: u32, random: &mut SplitMix, samples: usize) -> (usize, usize) {
     let library = shader::shipped();
     let Loaded { frame, bounded, program, .. } = loaded(scene, &library);
-    assert!(program.reads(bindings::CELLS), "{}", frame.variant.key());
+    assert!(program.reads_image(PassImage::Cells), "{}", frame.variant.key());
     let boxes = CellGrid::of(&frame, side);
     let empty = bounded.empty(&boxes, &|| false).unwrap().unwrap();
     let which: Vec<u32> = (0..side.pow(3)).filter(|&index| empty[index as usize]).collect();

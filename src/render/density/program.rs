@@ -52,7 +52,7 @@ impl DensityProgram {
             None => (None, self.inputs.clone()),
             Some((program, noise)) => {
                 let code = eval::Program::read_channel(&program.fragment, &self.octaves, (0, 3))?;
-                let noises = program.binding(LOOKED_UP).map(|lookup| (lookup, noise)).into_iter().collect();
+                let noises = program.image(LOOKED_UP).map(|lookup| (lookup, noise)).into_iter().collect();
                 let blocks = self.cpu_inputs.moments(&program)?.into_iter().next().unwrap_or_default();
                 (Some(code), eval::Inputs { blocks, noises, ..self.inputs.clone() })
             }

@@ -12,7 +12,9 @@ use crate::render::error::RenderError;
 use crate::render::frame::OpaqueMask;
 use crate::render::inputs::{Filter, StoredObjects, blocks, image_key};
 use crate::render::subject::{Recipe, Subject, SubjectRequest, opened};
-use crate::render::variant::{Checkable, OCTAVES_ID, Program, Purpose, Variant, bindings};
+use crate::render::variant::{
+    BLOCK_SAMPLER, Checkable, GroomImage, OCTAVES_ID, PassImage, Program, Purpose, Resource, Variant,
+};
 use crate::scene::schema::{Kind, SETTINGS, Setting, setting};
 use crate::scene::{self, Object, Order, Pass, Quality, Scene};
 use crate::shader::{Library, Linker};
@@ -212,8 +214,8 @@ impl<'a> PictureComparer<'a> {
         let read = self.read(variant)?;
         let images = read.fingerprint.iter().flat_map(|(_, own)| &own.images);
         let images: Vec<u32> = images.map(|(image, _)| *image).collect();
-        let reads = |name: &str| read.program.binding(name).is_some_and(|own| images.contains(&own));
-        match reads(bindings::GROOM_LOOK) && !reads(bindings::GROOM_SHAPE) {
+        let reads = |image: GroomImage| read.program.image(image).is_some_and(|own| images.contains(&own));
+        match reads(GroomImage::Look) && !reads(GroomImage::Shape) {
             true => Ok(Variant::of(&Scene { groom: None, ..scene.clone() }, self.library)?),
             false => Ok(variant.clone()),
         }
@@ -228,7 +230,7 @@ impl<'a> PictureComparer<'a> {
         }
         let mut read = self.read(&variant)?;
         // The border mode only matters for blocks and for noise with a period.
-        if !read.program.reads(bindings::BLOCK_SAMPLER)
+        if !read.program.reads(BLOCK_SAMPLER)
             && variant.periods.iter().all(|period| *period == Period::ENDLESS)
             && let Some(wrap) = variant.slots.get_mut("wrap")
         {
@@ -258,7 +260,7 @@ impl<'a> PictureComparer<'a> {
             }
         }
         let mut programs = vec![(read.clone(), false)];
-        if read.program.reads(bindings::SHADOW) {
+        if read.program.reads_image(PassImage::Shadow) {
             programs.push((self.read(&variant.for_purpose(Purpose::Shadow, self.library)?)?, true));
         }
         if scene.is_half_angle() {
@@ -269,18 +271,19 @@ impl<'a> PictureComparer<'a> {
         }
         for (read, casts) in programs {
             let resources = &read.program.resources;
-            let names: HashMap<u32, &str> = resources.iter().map(|own| (own.binding, own.name.as_str())).collect();
-            let name = |binding: u32| names.get(&binding).copied().unwrap_or_default();
+            let resource = |binding: u32| resources.iter().find(|own| own.binding == binding);
             let pairs = match &read.fingerprint {
                 Some((_, fingerprint)) => fingerprint.images.clone(),
                 None => resources.iter().map(|own| (own.binding, Some(own.binding))).collect(),
             };
-            let is_input = |image: u32| name(image).contains("_image") && name(image) != bindings::CELLS;
-            for (image, sampler) in pairs.into_iter().filter(|(image, _)| is_input(*image)) {
-                let key = image_key(&frame, name(image));
-                add(format!("{} {key}", name(image)));
-                if let Some(sampler) = sampler {
-                    add(format!("{:?}", Filter::of(name(sampler), &scene.quality)));
+            for (binding, sampler) in pairs {
+                let Some((image, object)) = resource(binding).and_then(Resource::image) else { continue };
+                if image == PassImage::Cells.into() {
+                    continue;
+                }
+                add(format!("{image:?} {object} {}", image_key(&frame, object, image)));
+                if let Some(sampler) = sampler.and_then(resource) {
+                    add(format!("{:?}", Filter::of(&sampler.name, &scene.quality)));
                 }
             }
             let mut before = String::new();

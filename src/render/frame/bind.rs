@@ -6,9 +6,11 @@ use crate::render::camera::{FrameContext, SubFrame};
 use crate::render::cells::{self, BackgroundCells, CellStats, EmptyCells, Tiles};
 use crate::render::error::RenderError;
 use crate::render::inputs::{
-    Encoded, FIELD, Filter, ImageInfo, Inputs, Sparse, StoredObjects, Values, block_image, blocks, groom_image,
+    Encoded, Filter, ImageInfo, Inputs, Sparse, StoredObjects, Values, block_image, blocks, groom_image,
 };
-use crate::render::variant::{Blocks, OCTAVES_ID, PICTURE_BINDING, Program, Resource, Use, bindings};
+use crate::render::variant::{
+    Blocks, GroomImage, ImageInput, OCTAVES_ID, ObjectImage, PICTURE_BINDING, PassImage, Program, Resource, Use,
+};
 use crate::scene::Scene;
 use crate::shader::Library;
 use crate::shape::Groom;
@@ -50,7 +52,7 @@ impl BoundInputs {
     ) -> Result<BoundInputs, RenderError> {
         let uploads = Uploads::default();
         let upload = |(binding, image): &(u32, Encoded)| {
-            let own = uploads.image(gpu, image.name, image.dimension, image.format, &image.bytes)?;
+            let own = uploads.image(gpu, image.image.label(), image.dimension, image.format, &image.bytes)?;
             if !is_recorded {
                 uploads.submit(gpu)?; // one by one: the texels exist twice until they are copied
             }
@@ -69,7 +71,7 @@ impl BoundInputs {
             Ok((*binding, Arc::new(made)))
         };
         inputs.samplers.iter().try_for_each(|(_, filter)| check_anisotropy(gpu, inputs, filter))?;
-        let cells = (is_cut || program.reads(bindings::CELLS)).then(|| EmptyCells::new(library));
+        let cells = (is_cut || program.reads_image(PassImage::Cells)).then(|| EmptyCells::new(library));
         Ok(BoundInputs {
             blocks: Vec::new(),
             images,
@@ -77,7 +79,10 @@ impl BoundInputs {
             sparse: inputs.sparse,
             holds_parameters: inputs.holds_parameters,
             stored: inputs.stored().clone(),
-            full_cell: program.reads(bindings::CELLS).then(|| cells::image(gpu, &uploads, 1, &[0])).transpose()?,
+            full_cell: program
+                .reads_image(PassImage::Cells)
+                .then(|| cells::image(gpu, &uploads, 1, &[0]))
+                .transpose()?,
             uploads,
             cells,
             background_cells: BackgroundCells::new(library),
@@ -126,7 +131,7 @@ impl BoundInputs {
     /// Binds the cells of a picture, or the single non-empty one.
     fn set_cells(&mut self, program: &Program, own: Option<Arc<Image>>) {
         if let Some(image) = own.or_else(|| self.full_cell.clone()) {
-            self.replace(program, bindings::CELLS, image);
+            self.replace(program, PassImage::Cells, image);
         }
     }
 
@@ -174,8 +179,8 @@ impl BoundInputs {
     }
 
     /// Binds an image that is rendered with the picture in place of the previous one.
-    pub(crate) fn replace(&mut self, program: &Program, name: &str, image: Arc<Image>) {
-        if let Some(binding) = program.binding(name) {
+    pub(crate) fn replace(&mut self, program: &Program, input: impl Into<ImageInput>, image: Arc<Image>) {
+        if let Some(binding) = program.image(input) {
             self.images.retain(|(other, _)| *other != binding);
             self.images.push((binding, image));
         }
@@ -191,10 +196,11 @@ impl BoundInputs {
         groom: &Groom,
         has_cells: bool,
     ) -> Result<(), RenderError> {
-        for name in [bindings::GROOM_SHAPE, bindings::GROOM_LOOK].into_iter().filter(|name| program.reads(name)) {
-            let own = groom_image(groom, name);
-            let image = self.uploads.image(gpu, own.name, own.dimension, own.format, &own.bytes)?;
-            self.replace(program, name, image);
+        let both = [GroomImage::Shape, GroomImage::Look];
+        for input in both.into_iter().filter(|input| program.reads_image(*input)) {
+            let own = groom_image(groom, input);
+            let image = self.uploads.image(gpu, input.label(), own.dimension, own.format, &own.bytes)?;
+            self.replace(program, input, image);
         }
         self.cells = has_cells.then(|| EmptyCells::new(library));
         Ok(self.uploads.submit(gpu)?)
@@ -207,7 +213,8 @@ impl BoundInputs {
 
     /// Images that determine the results of another program. Cells do not: they only skip empty space.
     pub(crate) fn images_of(&self, program: &Program) -> Vec<Arc<Image>> {
-        let decides = |own: &Resource, number: u32| own.binding == number && own.name != bindings::CELLS;
+        let cells = program.image(PassImage::Cells);
+        let decides = |own: &Resource, number: u32| own.binding == number && cells != Some(number);
         let is_read = |(number, _): &&(u32, _)| program.resources.iter().any(|own| decides(own, *number));
         self.images.iter().filter(is_read).map(|(_, image)| image.clone()).collect()
     }
@@ -239,7 +246,7 @@ impl BoundInputs {
 /// Checks that the device filters distance fields whose sampler is anisotropic: no other filter can stand in. Blocks of
 /// noise have samplers of their own, and other volumes are read texel by texel where the device cannot filter them.
 fn check_anisotropy(gpu: &Gpu, inputs: &Inputs, filter: &Filter) -> Result<(), gpu::GpuError> {
-    let fields = inputs.images.iter().filter(|(_, image)| image.name == FIELD);
+    let fields = inputs.images.iter().filter(|(_, image)| image.image == ObjectImage::Volume.into());
     let mut formats = fields.map(|(_, image)| image.format).filter(|_| filter.anisotropy > 1.0);
     match formats.find(|format| !gpu.can_filter(*format)) {
         None => Ok(()),

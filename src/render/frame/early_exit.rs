@@ -8,7 +8,7 @@ use super::bind::BoundInputs;
 use super::{bind, pass};
 use crate::gpu::{self, Dimension, Format, Gpu, Image, ImageUse, Pipeline, Resource};
 use crate::render::error::RenderError;
-use crate::render::variant::{Program, Variant, bindings};
+use crate::render::variant::{PassImage, Program, Variant};
 use crate::scene::{Order, Pass, Scene};
 use crate::shader::{Library, Linker};
 use std::sync::Arc;
@@ -59,7 +59,7 @@ impl OpaqueMask {
     ) -> Result<pass::BetweenSlices<'a>, RenderError> {
         let mut resources = bound.with(&bind::buffers(gpu, &bound.blocks_of(&self.program)?)?);
         resources
-            .extend(self.program.binding(bindings::TARGET).map(|binding| (binding, Resource::Image(target.clone()))));
+            .extend(self.program.image(PassImage::Target).map(|binding| (binding, Resource::Image(target.clone()))));
         let (pipeline, image, set) = (&self.pipeline, &self.image, self.pipeline.bind(&resources)?);
         Ok(pass::BetweenSlices::Marks { pipeline, set, image, every: slices.div_ceil(BATCHES).max(1) })
     }

@@ -13,7 +13,7 @@ use crate::gpu::{self, Blend, Buffer, BufferUse, Dimension, Format, Gpu, Image, 
 use crate::render::camera::{FLATTEST, FrameContext, View, axis, slant};
 use crate::render::cells::Tiles;
 use crate::render::error::RenderError;
-use crate::render::variant::{Program, Purpose, Variant, bindings};
+use crate::render::variant::{PassImage, Program, Purpose, Variant};
 use crate::scene::Scene;
 use crate::shader::{Library, Linker};
 use glam::Vec3;
@@ -115,10 +115,10 @@ impl HalfAngle {
         let blocks = bind::buffers(gpu, &bound.blocks_of(&self.program)?)?;
         // The buffers alternate: one before a slice, one behind it.
         let buffers = |program: &Program, before: usize| {
-            let both = [(bindings::LIGHT_BEFORE, before), (bindings::LIGHT_BEHIND, 1 - before)];
+            let both = [(PassImage::LightBefore, before), (PassImage::LightBehind, 1 - before)];
             let image = |index: usize| gpu::Resource::Image(self.buffers[index].clone());
             both.into_iter()
-                .filter_map(|(name, index)| Some((program.binding(name)?, image(index))))
+                .filter_map(|(input, index)| Some((program.image(input)?, image(index))))
                 .collect::<Vec<_>>()
         };
         let of_light = |before| self.pipeline.bind(&[bound.with(&blocks), buffers(&self.program, before)].concat());
@@ -144,6 +144,7 @@ impl HalfAngle {
 /// Allocates the alternating light buffers.
 fn buffers(gpu: &Gpu, side: u32) -> Result<[Arc<Image>; 2], RenderError> {
     let plane = Dimension::Plane(side, side);
-    let buffer = || Image::new(gpu, "light", plane, BUFFER, ImageUse::SampledTarget).map(Arc::new);
+    let buffer =
+        || Image::new(gpu, PassImage::LightBefore.label(), plane, BUFFER, ImageUse::SampledTarget).map(Arc::new);
     Ok([buffer()?, buffer()?])
 }

@@ -16,7 +16,7 @@ use crate::render::error::RenderError;
 use crate::render::inputs::Inputs;
 use crate::render::measurements::{Frame, Measurements};
 use crate::render::subject::Subject;
-use crate::render::variant::{Program, Variant, bindings};
+use crate::render::variant::{ObjectImage, PassImage, Program, Variant};
 use crate::scene::schema::Changes;
 use crate::scene::{Pass, Scene};
 use crate::shader::slots::FOLDED;
@@ -131,8 +131,10 @@ impl Prepared {
                     (Arc::new(picture), None, None, None, SubmissionBudget::default())
                 }
             };
-        let caster =
-            program.reads(bindings::SHADOW).then(|| ShadowCaster::new(gpu, library, &variant, caster)).transpose()?;
+        let caster = program
+            .reads_image(PassImage::Shadow)
+            .then(|| ShadowCaster::new(gpu, library, &variant, caster))
+            .transpose()?;
         let half_angle = scene.is_half_angle().then(|| HalfAngle::new(gpu, library, &variant, half_angle));
         if let Destination::Host { has_depth: true, .. } = destination {
             depth = Some(Depth::new(gpu, library, &variant, depth)?);
@@ -211,7 +213,8 @@ impl Prepared {
     pub(crate) fn has_same_inputs(&self, variant: &Variant) -> bool {
         let (scene, own) = (&variant.scene, &self.variant.scene);
         // Some images depend on the step.
-        let by_step = [bindings::SEGMENT, bindings::BRICKS].iter().any(|name| self.program.reads(name));
+        let by_step =
+            [ObjectImage::Segment, ObjectImage::Bricks].into_iter().any(|image| self.program.reads_image(image));
         let reach = |variant: &Variant| {
             let all = [&variant.parameters].into_iter().chain(variant.parts.values());
             all.map(|parameters| (parameters.outer_iso(), parameters.spread(1.0))).collect::<Vec<_>>()
@@ -263,7 +266,7 @@ impl Prepared {
     fn cast(&mut self, frame: &FrameContext, stop: &dyn Fn(f64) -> bool) -> Result<Option<[f64; 2]>, RenderError> {
         let Some(caster) = &mut self.pipelines.caster else { return Ok(None) };
         let ShadowVolume { image, gpu_ms, is_kept, .. } = caster.volume(&self.gpu, frame, &self.bound, stop)?;
-        self.bound.replace(&self.program, bindings::SHADOW, image);
+        self.bound.replace(&self.program, PassImage::Shadow, image);
         Ok(Some(if is_kept { [0.0, gpu_ms] } else { [gpu_ms, 0.0] }))
     }
 

@@ -14,7 +14,7 @@ use crate::render::custom_modules::with_module_cause;
 use crate::render::error::RenderError;
 use crate::render::measurements::Frame;
 use crate::render::subject::Subject;
-use crate::render::variant::{Checkable, Variant, bindings};
+use crate::render::variant::{Checkable, PassImage, Variant};
 use crate::scene::{RayPath, Scene, ShaderStage};
 use crate::shader::{Library, Slots};
 use crate::shape::Groom;
@@ -112,7 +112,7 @@ impl Renderer {
         (self.subject.groom, self.is_stroke) = (groom.clone(), stroke);
         let Some(groom) = groom else { return Ok(()) };
         self.prepared.iter_mut().filter(|own| own.variant.scene.groom.is_some()).try_for_each(|own| {
-            let has_cells = !stroke && (own.program.reads(bindings::CELLS) || own.is_cut());
+            let has_cells = !stroke && (own.program.reads_image(PassImage::Cells) || own.is_cut());
             own.bound.paint(&self.gpu, &self.library, &own.program, groom, has_cells)
         })
     }

@@ -17,7 +17,7 @@ use crate::render::camera::{FrameContext, LightSpace, SubFrame};
 use crate::render::error::RenderError;
 use crate::render::inputs::Inputs;
 use crate::render::subject::Subject;
-use crate::render::variant::{Checkable, Program, Purpose, Variant};
+use crate::render::variant::{Checkable, PassImage, Program, Purpose, Variant};
 use crate::shader::{Library, Linker};
 use glam::{Mat4, Vec3};
 use std::collections::BTreeSet;
@@ -158,7 +158,7 @@ impl ShadowCaster {
         let [x, y, z] = frame.space.texels();
         let size = Dimension::Volume(x, y, z);
         let texels = bytemuck::cast_slice(&texels);
-        let image = Arc::new(Image::sampled(gpu, "shadow volume", size, Format::R16Unorm, texels)?);
+        let image = Arc::new(Image::sampled(gpu, PassImage::Shadow.label(), size, Format::R16Unorm, texels)?);
         let cast = ShadowVolume { space: frame.space, blocks, images, image, gpu_ms, is_kept: false };
         self.last = Some(cast.clone());
         Ok(cast)

@@ -8,7 +8,7 @@ use crate::gpu::Address;
 use crate::render::camera::{FrameContext, LightSpace, SubFrame};
 use crate::render::error::RenderError;
 use crate::render::subject::Subject;
-use crate::render::variant::{Blocks, Program, Variant, bindings};
+use crate::render::variant::{Blocks, PassImage, Program, Variant};
 use crate::shader::Library;
 use rayon::prelude::*;
 
@@ -55,7 +55,7 @@ impl CpuInputs {
 
     /// Binding of the shadow volume, if the program reads one.
     pub fn shadow_binding(program: &Program) -> Option<u32> {
-        program.binding(bindings::SHADOW)
+        program.image(PassImage::Shadow)
     }
 
     /// Size of the target of the shadow volume's segments.

@@ -1,14 +1,15 @@
 //! Noise blocks that the device makes, by the noise of `glsl/`.
 //!
-//! Invariant: a texel differs from that of [`NoiseImage::encode`] by [`apart`] at most, since sums are rounded in another
+//! Invariant: a texel differs from that of [`NoiseTexels::encode`] by [`apart`] at most, since sums are rounded in another
 //! order.
 
-use super::noise_blocks::{NoiseImage, Recipe};
+use super::noise_blocks::{NoiseTexels, Recipe};
 use crate::field::Progress;
 use crate::gpu::{BindSet, Binding, BindingKind, Buffer, BufferUse, Dimension, Gpu, GpuError, Image, ImageUse};
 use crate::gpu::{Pipeline, Resource};
 use crate::noise::{Bake, Weights};
 use crate::render::texture::{Depth, block_scales};
+use crate::render::variant::NoiseImage;
 use crate::scene::Scene;
 use std::sync::Arc;
 
@@ -21,8 +22,8 @@ const NUMBERS: u32 = 4;
 const ROUNDED: f32 = 5e-7;
 
 /// Largest difference of a texel of a scene's image between device and CPU; `None` if only the CPU makes it.
-pub(crate) fn apart(scene: &Scene, name: &str) -> Option<f32> {
-    let own = NoiseImage::of(scene, name)?;
+pub(crate) fn apart(scene: &Scene, image: NoiseImage) -> Option<f32> {
+    let own = NoiseTexels::of(scene, image);
     own.recipe.bake().map(|_| match own.depth {
         Depth::Eight => 1.01 / 255.0,
         Depth::Sixteen => 1.01 / 65535.0,
@@ -34,8 +35,8 @@ pub(crate) fn apart(scene: &Scene, name: &str) -> Option<f32> {
 ///
 /// # Errors
 /// The image is larger than the device allows, memory is exhausted, or a submission fails.
-pub(crate) fn block_image(gpu: &Gpu, own: &NoiseImage, progress: Progress<'_>) -> Result<Image, GpuError> {
-    let (name, format, channels) = (own.name, own.format(), own.recipe.channels());
+pub(crate) fn block_image(gpu: &Gpu, own: &NoiseTexels, progress: Progress<'_>) -> Result<Image, GpuError> {
+    let (name, format, channels) = (own.image.label(), own.format(), own.recipe.channels());
     let cube = |level: u32| u64::from((own.size >> level).max(1)).pow(3);
     let (volume, count) = (Dimension::Volume(own.size, own.size, own.size), (0..=own.faded).map(cube).sum());
     let image = Image::with_texels(gpu, name, volume, format, ImageUse::Sampled, count)?;
@@ -108,20 +109,26 @@ mod tests {
         let gpu = Gpu::new(&Options { validation: true, ..Options::from_env() }).unwrap();
         let mut scene = Scene::default();
         (scene.effect.bandlimit, scene.effect.octaves) = ("clamp".into(), 8);
-        let names = ["noise_image", "noise_value_image", "turbulence_image", "turbulence_value_image", "channel_image"];
+        let images = [
+            NoiseImage::Noise,
+            NoiseImage::NoiseValues,
+            NoiseImage::Turbulence,
+            NoiseImage::TurbulenceValues,
+            NoiseImage::Channels,
+        ];
         for (weights, size) in [("quintic", 16), ("cubic", 64)] {
             (scene.effect.weights, scene.quality.block_size) = (weights.into(), size);
             for format in [BlockFormat::Unorm8, BlockFormat::Unorm16, BlockFormat::Float32] {
                 scene.quality.block_format = format;
-                for name in names {
-                    let own = NoiseImage::of(&scene, name).unwrap();
+                for image in images {
+                    let own = NoiseTexels::of(&scene, image);
                     let made = block_image(&gpu, &own, &|_| ()).unwrap().read_levels().unwrap();
                     let expected = own.encode(&|_| ()).bytes;
                     assert_eq!(made.len(), expected.len());
                     let [made, expected] = [made, expected].map(|bytes| own.format().decode(&bytes));
                     let all = made.as_flattened().iter().zip(expected.as_flattened());
                     let largest = all.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
-                    assert!(largest <= apart(&scene, name).unwrap(), "{name} of {format:?}: {largest}");
+                    assert!(largest <= apart(&scene, image).unwrap(), "{image:?} of {format:?}: {largest}");
                 }
             }
         }

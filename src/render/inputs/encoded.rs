@@ -1,7 +1,7 @@
 //! Images and samplers encoded for the device.
 
 use crate::gpu::{Address, Dimension, Format};
-use crate::render::variant::bindings;
+use crate::render::variant::{BLOCK_SAMPLER, ImageInput, ObjectImage};
 use crate::scene::{self, Quality, Wrap};
 use bytemuck::NoUninit;
 use serde::{Deserialize, Serialize};
@@ -24,21 +24,17 @@ pub struct ImageInfo {
 
 /// An encoded image: texels x fastest.
 pub(crate) struct Encoded {
-    pub(crate) name: &'static str,
+    pub(crate) image: ImageInput,
     pub(crate) dimension: Dimension,
     pub(crate) format: Format,
     pub(crate) bytes: Vec<u8>,
 }
 
 impl Encoded {
-    pub(crate) fn new<T: NoUninit>(name: &'static str, dimension: Dimension, format: Format, texels: &[T]) -> Encoded {
-        Encoded { name, dimension, format, bytes: bytemuck::cast_slice(texels).to_vec() }
+    pub(crate) fn new<T: NoUninit>(image: ObjectImage, dimension: Dimension, format: Format, texels: &[T]) -> Encoded {
+        Encoded { image: image.into(), dimension, format, bytes: bytemuck::cast_slice(texels).to_vec() }
     }
 }
-
-/// Name of the image of a distance field: the only one that is filtered by an anisotropic sampler where
-/// `quality.filter` is `exact`.
-pub(crate) const FIELD: &str = "distance field";
 
 /// A sampler: its address mode, its anisotropy (1 for none), and its use.
 #[derive(Clone, Copy, Debug)]
@@ -57,8 +53,8 @@ impl Filter {
         let (address, anisotropy) = match name {
             "table_sampler" => (Address::Clamp, 1.0),
             "repeat_sampler" => (Address::Repeat, 1.0),
-            bindings::BLOCK_SAMPLER if quality.wrap == Wrap::Mirror => (Address::Mirror, 1.0),
-            bindings::BLOCK_SAMPLER => (Address::Repeat, 1.0),
+            BLOCK_SAMPLER if quality.wrap == Wrap::Mirror => (Address::Mirror, 1.0),
+            BLOCK_SAMPLER => (Address::Repeat, 1.0),
             _ => (Address::Clamp, quality.anisotropy),
         };
         let reads_centers = name == "repeat_sampler" || (quality.filter == scene::Filter::Exact && anisotropy == 1.0);

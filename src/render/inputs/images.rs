@@ -1,9 +1,9 @@
 //! Inputs of a program, encoded on the CPU: uniform values and only those images that the program reads.
 
 use super::bricks::Sparse;
-use super::encoded::{Encoded, FIELD, Filter};
-use super::noise_blocks::NoiseImage;
-use super::object_inputs::{CLOSEST, ObjectInputs, StoredDistance};
+use super::encoded::{Encoded, Filter};
+use super::noise_blocks::NoiseTexels;
+use super::object_inputs::{ObjectInputs, StoredDistance};
 use super::table::{self, Function};
 use super::uniforms::{Values, moment, values};
 use crate::field::Progress;
@@ -11,7 +11,7 @@ use crate::gpu::{Dimension, Format};
 use crate::render::camera::{FrameContext, SlicePlanes, SubFrame, View};
 use crate::render::error::RenderError;
 use crate::render::texture::{self, Bricks, Encoding, Texels};
-use crate::render::variant::{Program, Resource, Use, Variant, bindings};
+use crate::render::variant::{GroomImage, ImageInput, ObjectImage, Program, Resource, Use, Variant};
 use crate::shader::{Library, suffixed};
 use crate::shape::Groom;
 use std::cell::Cell;
@@ -29,7 +29,7 @@ pub(crate) struct Inputs {
     /// Images by binding.
     pub(crate) images: Vec<(u32, Encoded)>,
     /// Noise blocks by binding that the device makes.
-    pub(crate) blocks: Vec<(u32, NoiseImage)>,
+    pub(crate) blocks: Vec<(u32, NoiseTexels)>,
     /// Samplers by binding.
     pub(crate) samplers: Vec<(u32, Filter)>,
     /// Memory saved by bricks.
@@ -68,18 +68,18 @@ impl Inputs {
         let mut volumes = Vec::new();
         let mut sparse = None;
         for item in &mut items {
-            let read = item.is_read(program, bindings::VOLUME);
+            let read = item.is_read(program, ObjectImage::Volume);
             let mut texels = if read { item.volume(variant) } else { None };
             if let Some(texels) = &texels {
                 item.stored.decode = texels.decode.map(|value| value * item.subject.scale);
                 item.stored.quantization = texels.quantization * item.subject.scale;
             }
-            let bricks = texels.as_ref().filter(|_| item.is_read(program, bindings::BRICKS));
+            let bricks = texels.as_ref().filter(|_| item.is_read(program, ObjectImage::Bricks));
             let bricks = bricks.and_then(|texels| item.bricks(frame, texels));
             if let (Some(texels), Some(bricks)) = (&mut texels, &bricks) {
                 sparse.get_or_insert_with(Sparse::default).add(texels, bricks);
             }
-            let read = item.is_read(program, bindings::CLOSEST);
+            let read = item.is_read(program, ObjectImage::Closest);
             let made = if read { Some(item.closest()?) } else { None };
             item.stored.closest_range = made.as_ref().map_or(0.0, |(_, range)| range * item.subject.scale);
             let mut offsets = made.map(|(offsets, _)| offsets);
@@ -96,17 +96,29 @@ impl Inputs {
             Ok(function)
         };
         let (mut images, mut blocks, mut samplers) = (Vec::new(), Vec::new(), Vec::new());
-        for Resource { name, binding, holds, .. } in &program.resources {
+        for resource @ Resource { name, binding, holds, .. } in &program.resources {
             match holds {
-                Use::Image if bindings::RENDERED.contains(&name.as_str()) => {}
                 Use::Image => {
-                    let made = match NoiseImage::of(scene, name) {
-                        Some(own) if on_device && own.recipe.bake().is_some() => {
-                            blocks.push((*binding, own));
-                            continue;
+                    let unfilled = || RenderError::Unfilled(name.clone());
+                    let (own, object) = resource.image().ok_or_else(unfilled)?;
+                    let made = match own {
+                        ImageInput::Pass(_) => continue,
+                        ImageInput::Noise(own) => {
+                            let own = NoiseTexels::of(scene, own);
+                            if on_device && own.recipe.bake().is_some() {
+                                blocks.push((*binding, own));
+                                continue;
+                            }
+                            own.encode(progress)
                         }
-                        Some(own) => own.encode(progress),
-                        None => image(&items, &mut volumes, planes, &function, name)?,
+                        ImageInput::Groom(own) => {
+                            groom_image(frame.subject.groom.as_ref().ok_or(RenderError::Missing(own.label()))?, own)
+                        }
+                        ImageInput::Object(own) => {
+                            let index = index_of(&items, object).ok_or_else(unfilled)?;
+                            object_image(&items[index], &mut volumes[index], planes, &function, own)?
+                                .ok_or_else(unfilled)?
+                        }
                     };
                     images.push((*binding, made));
                 }
@@ -151,79 +163,78 @@ impl StoredObjects {
 }
 
 /// Text of all that an image depends on, for loaded objects.
-pub(crate) fn image_key(frame: &FrameContext, name: &str) -> String {
-    let FrameContext { variant: variant @ Variant { scene, .. }, view, planes, .. } = frame;
-    if let Some(own) = NoiseImage::of(scene, name) {
-        return format!("{own:?}");
+pub(crate) fn image_key(frame: &FrameContext, object: &str, image: ImageInput) -> String {
+    let FrameContext { variant: Variant { scene, .. }, .. } = frame;
+    match image {
+        ImageInput::Noise(own) => format!("{:?}", NoiseTexels::of(scene, own)),
+        ImageInput::Groom(_) => format!("{:?}", scene.groom),
+        ImageInput::Object(own) => object_key(frame, object, own),
+        ImageInput::Pass(own) => own.binding().into(),
     }
-    let items: Vec<_> =
-        view.objects.iter().map(|own| ObjectInputs::of(frame, own, StoredDistance::default())).collect();
-    let Some((index, base)) = object_image(&items, name) else { return name.into() };
-    let item = &items[index];
+}
+
+/// Text of all that an image of an object depends on.
+fn object_key(frame: &FrameContext, object: &str, image: ObjectImage) -> String {
+    let FrameContext { variant: variant @ Variant { scene, .. }, view, planes, .. } = frame;
+    let Some(own) = view.objects.iter().find(|own| own.name == object) else { return image.binding().into() };
+    let item = ObjectInputs::of(frame, own, StoredDistance::default());
     let (object, effect, transfer) = (&item.scene.object, &item.scene.effect, &item.scene.transfer);
     let densities = (object.inner_iso, item.own.outer_iso);
-    match base {
-        bindings::TRANSFER => format!("{:?}", texture::transfer_map(transfer)),
-        bindings::INDEX => format!("{:?}", texture::index_map(transfer)),
-        bindings::SEGMENT => {
+    match image {
+        ObjectImage::Volume => format!("{:?}", item.encoding(variant)),
+        ObjectImage::Transfer => format!("{:?}", texture::transfer_map(transfer)),
+        ObjectImage::Index => format!("{:?}", texture::index_map(transfer)),
+        ObjectImage::Segment => {
             format!("{transfer:?} {} {} {:?}", effect.opacity_rate * planes.step, effect.opacity, item.parameters)
         }
-        bindings::CLASSIFIED => {
+        ObjectImage::Classified => {
             format!(
                 "{transfer:?} {} {densities:?} {:?}{:?} {:?}",
                 effect.softness, effect.dmf, effect.warp, item.parameters
             )
         }
-        bindings::CLOSEST => format!("{}", object.inner_iso),
-        bindings::GROOM_SHAPE | bindings::GROOM_LOOK => format!("{:?}", scene.groom),
-        bindings::BRICKS => format!("{densities:?} {:?} {}", scene.quality.integration, planes.step),
-        _ => format!("{:?}", item.encoding(variant)),
+        ObjectImage::Closest => format!("{}", object.inner_iso),
+        ObjectImage::Bricks => format!("{densities:?} {:?} {}", scene.quality.integration, planes.step),
     }
 }
 
-/// Encodes the image of a binding in `interface.glsl` or `part.glsl`, other than noise; takes the encoded volumes of
-/// its object.
-fn image(
-    items: &[ObjectInputs<'_>],
-    volumes: &mut [Volumes],
+/// Encodes an image of an object; takes the encoded volumes. `None` if the object has no such volume.
+fn object_image(
+    item: &ObjectInputs<'_>,
+    volumes: &mut Volumes,
     planes: &SlicePlanes,
     function: &dyn Fn(&'static str) -> Result<Function, RenderError>,
-    name: &str,
-) -> Result<Encoded, RenderError> {
-    let (index, name) = object_image(items, name).ok_or_else(|| RenderError::Unfilled(name.into()))?;
-    let item = &items[index];
+    image: ObjectImage,
+) -> Result<Option<Encoded>, RenderError> {
     let (scene, subject) = (&item.scene, item.subject);
     let volume = |[x, y, z]: [u32; 3]| Dimension::Volume(x, y, z);
-    Ok(match name {
-        bindings::TRANSFER => {
+    Ok(Some(match image {
+        ObjectImage::Transfer => {
             let texels = texture::transfer_map(&scene.transfer);
-            Encoded::new("transfer map", Dimension::Line(texels.len() as u32 / 4), Format::Rgba16Unorm, &texels)
+            Encoded::new(image, Dimension::Line(texels.len() as u32 / 4), Format::Rgba16Unorm, &texels)
         }
-        bindings::INDEX => {
+        ObjectImage::Index => {
             let texels = texture::index_map(&scene.transfer);
-            Encoded::new("index map", Dimension::Line(texels.len() as u32 / 4), Format::Rgba32Float, &texels)
+            Encoded::new(image, Dimension::Line(texels.len() as u32 / 4), Format::Rgba32Float, &texels)
         }
-        bindings::CLOSEST => {
-            let Texels { size, bytes, .. } = volumes[index].offsets.take().ok_or(RenderError::Missing(CLOSEST))?;
-            Encoded { name: CLOSEST, dimension: volume(size), format: Format::Rgba16Unorm, bytes }
+        ObjectImage::Closest => {
+            let Texels { size, bytes, .. } = volumes.offsets.take().ok_or(RenderError::Missing(image.label()))?;
+            Encoded { image: image.into(), dimension: volume(size), format: Format::Rgba16Unorm, bytes }
         }
-        bindings::GROOM_SHAPE | bindings::GROOM_LOOK => {
-            groom_image(subject.groom.as_ref().ok_or(RenderError::Missing("groom"))?, name)
+        ObjectImage::Bricks => {
+            let Some(bricks) = &volumes.bricks else { return Ok(None) };
+            Encoded::new(image, volume(bricks.size), Format::Rgba32Float, &bricks.index)
         }
-        bindings::BRICKS => {
-            let bricks = volumes[index].bricks.as_ref().ok_or_else(|| RenderError::Unfilled(name.into()))?;
-            Encoded::new("index of bricks", volume(bricks.size), Format::Rgba32Float, &bricks.index)
-        }
-        bindings::SEGMENT => {
+        ObjectImage::Segment => {
             let exponent = scene.effect.opacity_rate * planes.step;
             let opacity = function(table::OPACITY)?;
             let opacities =
                 |paths: &[[f32; 2]]| opacity.at(paths.iter().map(|[density, path]| [*density, exponent * path]));
             let texels = texture::segment_table(&scene.transfer, opacities)?;
             let side = texture::SEGMENT_SIZE as u32;
-            Encoded::new("segment table", Dimension::Plane(side, side), Format::Rgba32Float, &texels)
+            Encoded::new(image, Dimension::Plane(side, side), Format::Rgba32Float, &texels)
         }
-        bindings::CLASSIFIED => {
+        ObjectImage::Classified => {
             let field = subject.field.as_ref().ok_or(RenderError::Classification(
                 scene.effect.classify.clone(),
                 "voxels, and this object is a formula (object.field_encoding = \"normals16\" makes a volume of it)",
@@ -235,31 +246,33 @@ fn image(
             let density = function(table::DENSITY)?;
             let densities = |distances: &[f32]| density.at(distances.iter().map(|d| [d * subject.scale, 0.0]));
             let texels = texture::classify(field, &scene.transfer, densities)?;
-            Encoded::new("classified volume", volume(field.grid.size), Format::Rgba16Unorm, &texels)
+            Encoded::new(image, volume(field.grid.size), Format::Rgba16Unorm, &texels)
         }
-        _ => {
-            let texels = volumes[index].texels.take().ok_or_else(|| RenderError::Unfilled(name.into()))?;
+        ObjectImage::Volume => {
+            let Some(texels) = volumes.texels.take() else { return Ok(None) };
             let format = match texels.encoding {
                 Encoding::Normals16 => Format::Rgba16Unorm,
                 Encoding::Normals8 => Format::Rgba8Unorm,
                 Encoding::Distance16 => Format::R16Unorm,
                 Encoding::Distance32 => Format::R32Float,
             };
-            Encoded { name: FIELD, dimension: volume(texels.size), format, bytes: texels.bytes }
+            Encoded { image: image.into(), dimension: volume(texels.size), format, bytes: texels.bytes }
         }
-    })
+    }))
 }
 
-/// Encodes the image of a groom: direction and length, or color and density.
-pub(crate) fn groom_image(groom: &Groom, name: &str) -> Encoded {
-    let (side, channels) = (groom.side(), if name == bindings::GROOM_SHAPE { [5, 6, 7, 0] } else { [2, 3, 4, 1] });
-    let (dimension, bytes) = (Dimension::Volume(side, side, side), groom.texels(channels));
-    Encoded { name: "groom", dimension, format: Format::Rgba16Float, bytes }
+/// Encodes an image of a groom.
+pub(crate) fn groom_image(groom: &Groom, image: GroomImage) -> Encoded {
+    let channels = match image {
+        GroomImage::Shape => [5, 6, 7, 0],
+        GroomImage::Look => [2, 3, 4, 1],
+    };
+    let (side, bytes) = (groom.side(), groom.texels(channels));
+    let dimension = Dimension::Volume(side, side, side);
+    Encoded { image: image.into(), dimension, format: Format::Rgba16Float, bytes }
 }
 
-/// Resolves a binding to the index of its object, and to its name without the object's suffix.
-fn object_image<'a>(items: &[ObjectInputs<'_>], name: &'a str) -> Option<(usize, &'a str)> {
-    let base =
-        |item: &ObjectInputs<'_>| name.strip_suffix(item.suffix.as_str()).filter(|base| base.ends_with("_image"));
-    (0..items.len()).rev().find_map(|index| Some((index, base(&items[index])?)))
+/// Index of an object.
+fn index_of(items: &[ObjectInputs<'_>], object: &str) -> Option<usize> {
+    items.iter().position(|item| item.own.name == object)
 }

@@ -15,6 +15,6 @@ pub use cpu_inputs::CpuInputs;
 pub(crate) use cpu_inputs::{texture, wrap};
 pub(crate) use device_blocks::{apart, block_image};
 pub use encoded::ImageInfo;
-pub(crate) use encoded::{Encoded, FIELD, Filter};
+pub(crate) use encoded::{Encoded, Filter};
 pub(crate) use images::{Inputs, StoredObjects, groom_image, image_key};
 pub(crate) use uniforms::{Values, blocks, blocks_at};

@@ -7,6 +7,7 @@ use crate::field::Progress;
 use crate::gpu::{Dimension, Format};
 use crate::noise::{Bake, Block, Noise, SEED, Weights, blue_noise, random_block, random_mean as mean_of_random};
 use crate::render::texture::{self, Depth};
+use crate::render::variant::NoiseImage;
 use crate::scene::{BlockFormat, Scene};
 use hypertexture_support::disk_cache::{self, CacheKind};
 use std::iter;
@@ -120,10 +121,10 @@ impl Recipe {
     }
 }
 
-/// A noise block or table of a scene; images with equal debug texts but for the names are equal.
+/// A noise block or table of a scene.
 #[derive(Debug)]
-pub(crate) struct NoiseImage {
-    pub(super) name: &'static str,
+pub(crate) struct NoiseTexels {
+    pub(super) image: NoiseImage,
     pub(super) recipe: Recipe,
     pub(super) depth: Depth,
     /// Number of further levels, each without another octave.
@@ -131,16 +132,21 @@ pub(crate) struct NoiseImage {
     pub(super) size: u32,
 }
 
-impl NoiseImage {
+impl NoiseTexels {
     /// Encodes the image. `progress` receives the finished share of a block, from any thread.
     pub(crate) fn encode(&self, progress: Progress<'_>) -> Encoded {
-        let NoiseImage { name, recipe, depth, faded, size } = *self;
+        let NoiseTexels { image, recipe, depth, faded, size } = *self;
         let dimension = match recipe {
             Recipe::Row(..) => Dimension::Line(size),
             Recipe::Phases => Dimension::Plane(size, size),
             _ => Dimension::Volume(size, size, size),
         };
-        Encoded { name, dimension, format: self.format(), bytes: recipe.levels(size, faded, depth, progress) }
+        Encoded {
+            image: image.into(),
+            dimension,
+            format: self.format(),
+            bytes: recipe.levels(size, faded, depth, progress),
+        }
     }
 
     pub(super) fn format(&self) -> Format {
@@ -154,26 +160,25 @@ impl NoiseImage {
         }
     }
 
-    /// The noise block or table of a binding in `interface.glsl`; `None` for other images.
-    pub(crate) fn of(scene: &Scene, name: &str) -> Option<NoiseImage> {
+    /// The noise block or table of a scene.
+    pub(crate) fn of(scene: &Scene, image: NoiseImage) -> NoiseTexels {
         let size = scene.quality.block_size;
         let weights = weights(scene);
         let [noise_cells, turbulence_cells, channel_cells] = scene.block_cells();
         let [held, low] = scene.block_octaves();
         let noise = Bake { weights, size, cells: noise_cells, octaves: 1, absolute: false };
         let turbulence = |octaves| Bake { weights, size, cells: turbulence_cells, octaves, absolute: true };
-        let (name, recipe) = match name {
-            "noise_image" => ("noise block", Recipe::Gradients(noise)),
-            "noise_value_image" => ("noise values", Recipe::Values(noise)),
-            "turbulence_image" => ("turbulence block", Recipe::Gradients(turbulence(held))),
-            "turbulence_value_image" => ("turbulence values", Recipe::Values(turbulence(held))),
-            "low_octaves_image" => ("low octaves", Recipe::Values(turbulence(low))),
-            "channel_image" => ("four octaves", Recipe::Channels(Bake { cells: channel_cells, ..noise })),
-            "permutation_image" => ("permutation", Recipe::Row(0, weights)),
-            "gradient_image" => ("table of gradients", Recipe::Row(1, weights)),
-            "phase_image" => ("phases of the pixels", Recipe::Phases),
-            "random_image" => ("random texels", Recipe::Random(SEED, size, scene.quality.block_blur)),
-            _ => return None,
+        let recipe = match image {
+            NoiseImage::Noise => Recipe::Gradients(noise),
+            NoiseImage::NoiseValues => Recipe::Values(noise),
+            NoiseImage::Turbulence => Recipe::Gradients(turbulence(held)),
+            NoiseImage::TurbulenceValues => Recipe::Values(turbulence(held)),
+            NoiseImage::LowOctaves => Recipe::Values(turbulence(low)),
+            NoiseImage::Channels => Recipe::Channels(Bake { cells: channel_cells, ..noise }),
+            NoiseImage::Permutation => Recipe::Row(0, weights),
+            NoiseImage::Gradients => Recipe::Row(1, weights),
+            NoiseImage::Phases => Recipe::Phases,
+            NoiseImage::Random => Recipe::Random(SEED, size, scene.quality.block_blur),
         };
         let (size, depth) = match (recipe, scene.quality.block_format, recipe.channels()) {
             (Recipe::Row(..), ..) => (256, Depth::Float),
@@ -188,7 +193,7 @@ impl NoiseImage {
             Recipe::Values(bake) | Recipe::Gradients(bake) if bake.absolute && fades => bake.octaves,
             _ => 0,
         };
-        Some(NoiseImage { name, recipe, depth, faded, size })
+        NoiseTexels { image, recipe, depth, faded, size }
     }
 }
 
@@ -220,22 +225,22 @@ mod tests {
         let mut scene = Scene::default();
         for size in [16, 64] {
             scene.quality.block_size = size;
-            for name in ["noise_image", "turbulence_value_image", "channel_image", "random_image"] {
+            let images = [NoiseImage::Noise, NoiseImage::TurbulenceValues, NoiseImage::Channels, NoiseImage::Random];
+            for image in images {
                 let told = Mutex::new(vec![]);
                 let [first, second] = [0, 1].map(|_| {
-                    let image = NoiseImage::of(&scene, name).unwrap();
-                    let block = image.encode(&|done| told.lock().unwrap().push(done));
+                    let own = NoiseTexels::of(&scene, image);
+                    let block = own.encode(&|done| told.lock().unwrap().push(done));
                     assert_eq!(block.dimension, Dimension::Volume(size, size, size));
                     block.bytes
                 });
-                assert_eq!(first, second, "{name}: made, and made again or read");
+                assert_eq!(first, second, "{image:?}: made, and made again or read");
                 let told = told.into_inner().unwrap();
-                assert!(told.iter().all(|done| (0.0..=1.0).contains(done)), "{name}: {told:?}");
-                if size < KEPT_FROM && name != "random_image" {
-                    assert_eq!(told.iter().copied().fold(0.0, f32::max), 1.0, "{name}");
+                assert!(told.iter().all(|done| (0.0..=1.0).contains(done)), "{image:?}: {told:?}");
+                if size < KEPT_FROM && image != NoiseImage::Random {
+                    assert_eq!(told.iter().copied().fold(0.0, f32::max), 1.0, "{image:?}");
                 }
             }
         }
-        assert!(NoiseImage::of(&scene, "transfer_image").is_none());
     }
 }

@@ -4,7 +4,7 @@ use crate::render::camera::{FrameContext, ObjectView};
 use crate::render::error::RenderError;
 use crate::render::subject::Subject;
 use crate::render::texture::{self, Encoding, Texels};
-use crate::render::variant::{Program, Variant};
+use crate::render::variant::{ObjectImage, Program, Variant};
 use crate::scene::{FieldEncoding, Parameters, Scene};
 
 /// Decoding of a distance stored in a volume, units of its object: `x + y s` for a texel s.
@@ -15,9 +15,6 @@ pub(crate) struct StoredDistance {
     /// Range of the offsets to the closest points.
     pub(crate) closest_range: f32,
 }
-
-/// Name of the closest points in messages.
-pub(crate) const CLOSEST: &str = "closest points";
 
 /// One object of the scene, with the suffix of its names in the program.
 pub(crate) struct ObjectInputs<'a> {
@@ -40,9 +37,9 @@ impl<'a> ObjectInputs<'a> {
         ObjectInputs { suffix, own: view, scene, subject, parameters, stored }
     }
 
-    /// Whether a program reads a binding of this object.
-    pub(crate) fn is_read(&self, program: &Program, binding: &str) -> bool {
-        program.reads(&format!("{binding}{}", self.suffix))
+    /// Whether a program reads an image of this object.
+    pub(crate) fn is_read(&self, program: &Program, image: ObjectImage) -> bool {
+        program.image_of(&self.own.name, image).is_some()
     }
 
     /// Volume of the object; `None` for a formula.
@@ -74,7 +71,7 @@ impl<'a> ObjectInputs<'a> {
     /// Offsets to the closest points of the inner surface, and their range in units of the field.
     pub(crate) fn closest(&self) -> Result<(Texels, f32), RenderError> {
         let both = self.subject.field.as_ref().zip(self.subject.closest.as_ref());
-        let (field, closest) = both.ok_or(RenderError::Missing(CLOSEST))?;
+        let (field, closest) = both.ok_or(RenderError::Missing(ObjectImage::Closest.label()))?;
         let (bytes, range) = texture::encode_closest(closest, field, self.scene.object.inner_iso / self.subject.scale);
         Ok((
             Texels { size: field.grid.size, encoding: Encoding::Normals16, bytes, decode: [0.0; 2], quantization: 0.0 },

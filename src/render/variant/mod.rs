@@ -3,7 +3,7 @@
 //! Role: scene -> chosen modules -> SPIR-V with its live bindings. Invariant: [`Variant::of`] is pure, and unreached
 //! parts are neither in the program nor in its layout; [`Program::left_out`] lists them.
 
-pub(crate) mod bindings;
+mod bindings;
 mod density;
 mod error;
 mod linked;
@@ -12,6 +12,8 @@ mod reflect;
 mod scene_variant;
 
 pub use crate::scene::FORMULAS;
+pub(crate) use bindings::BLOCK_SAMPLER;
+pub use bindings::{GroomImage, ImageInput, NoiseImage, ObjectImage, PassImage};
 pub(crate) use density::{as_density, as_extinction, unlit};
 pub use error::VariantError;
 pub(crate) use program::parts;

@@ -1,6 +1,6 @@
 //! A linked program, and the parts that it leaves out.
 
-use super::bindings;
+use super::bindings::{ImageInput, NoiseImage, ObjectImage, PassImage};
 use super::error::VariantError;
 use super::reflect::{self, Resource, Use};
 use flate2::read::DeflateDecoder;
@@ -52,6 +52,28 @@ impl Program {
         self.resources.iter().find(|resource| resource.name == name).map(|resource| resource.binding)
     }
 
+    /// Whether the program reads an image of the scene or of its main object.
+    pub fn reads_image(&self, image: impl Into<ImageInput>) -> bool {
+        self.image(image).is_some()
+    }
+
+    /// Binding of an image of the scene or of its main object, if the program reads it.
+    pub fn image(&self, image: impl Into<ImageInput>) -> Option<u32> {
+        self.image_of("", image)
+    }
+
+    /// Binding of an image of an object, if the program reads it.
+    pub fn image_of(&self, object: &str, image: impl Into<ImageInput>) -> Option<u32> {
+        let image = image.into();
+        let is_read = |resource: &&Resource| resource.image() == Some((image, object));
+        self.resources.iter().find(is_read).map(|resource| resource.binding)
+    }
+
+    /// The images that the program reads, of any object.
+    pub fn images(&self) -> impl Iterator<Item = ImageInput> {
+        self.resources.iter().filter_map(|resource| resource.image()).map(|(image, _)| image)
+    }
+
     /// Names of the members of all blocks.
     pub fn members(&self) -> impl Iterator<Item = &str> {
         let blocks = self.resources.iter().filter_map(|own| match &own.holds {
@@ -83,23 +105,38 @@ impl Program {
 
     /// Parts that the scene did not need: not in the program, not allocated, not uploaded, not bound.
     pub fn left_out(&self) -> Vec<&'static str> {
-        let read = |binding: &str| self.resources.iter().any(|resource| resource.name.starts_with(binding)); // of any object
-        PARTS.iter().filter(|(binding, ..)| !read(binding)).map(|(_, part, _)| *part).collect()
+        let is_read = |images: &[ImageInput]| self.images().any(|image| images.contains(&image));
+        PARTS.iter().filter(|(images, ..)| !is_read(images)).map(|(_, part, _)| *part).collect()
     }
 }
 
-/// Optional parts of a program: prefix of the bindings, name, and reason for the absence.
-const PARTS: [(&str, &str, &str); 9] = [
-    (bindings::VOLUME, "volume", "the object is a formula"),
-    ("noise_", "noise block", "no module looks noise up in a block"), // with or without its gradient
-    ("turbulence_", "turbulence block", "no module looks turbulence up in a block"),
-    (bindings::TRANSFER, "transfer map", "no module asks for a color by density, or it has one color"),
-    (bindings::SEGMENT, "segment table", "no segment is classified by the densities at its ends"),
-    (bindings::CLASSIFIED, "classified volume", "colors are not given to voxels"),
-    (bindings::INDEX, "index map", "no ray bends"),
-    (bindings::CLOSEST, "closest points", "no module asks for the root of a hair"),
-    (bindings::SHADOW, "shadow volume", "light.shadows is off, or the light goes from slice to slice"),
-];
+/// Optional parts of a program: their images, name, and reason for the absence.
+const PARTS: [(&[ImageInput], &str, &str); 9] = {
+    use ImageInput::{Noise, Object, Pass};
+    [
+        (&[Object(ObjectImage::Volume)], "volume", "the object is a formula"),
+        (
+            &[Noise(NoiseImage::Noise), Noise(NoiseImage::NoiseValues)],
+            "noise block",
+            "no module looks noise up in a block",
+        ),
+        (
+            &[Noise(NoiseImage::Turbulence), Noise(NoiseImage::TurbulenceValues)],
+            "turbulence block",
+            "no module looks turbulence up in a block",
+        ),
+        (
+            &[Object(ObjectImage::Transfer)],
+            "transfer map",
+            "no module asks for a color by density, or it has one color",
+        ),
+        (&[Object(ObjectImage::Segment)], "segment table", "no segment is classified by the densities at its ends"),
+        (&[Object(ObjectImage::Classified)], "classified volume", "colors are not given to voxels"),
+        (&[Object(ObjectImage::Index)], "index map", "no ray bends"),
+        (&[Object(ObjectImage::Closest)], "closest points", "no module asks for the root of a hair"),
+        (&[Pass(PassImage::Shadow)], "shadow volume", "light.shadows is off, or the light goes from slice to slice"),
+    ]
+};
 
 /// Reason for the absence of a part of [`Program::left_out`]; empty for other names.
 pub fn why_left_out(name: &str) -> &'static str {

@@ -1,5 +1,6 @@
 //! Reflection of optimized SPIR-V: the live bindings of a program.
 
+use super::bindings::ImageInput;
 use crate::shader::spirv::{Decoration, ExecutionModel, Op, instructions};
 use spirq::ReflectConfig;
 use spirq::ty::{DescriptorType, Type};
@@ -24,6 +25,14 @@ pub struct Resource {
     pub vertex: bool,
     /// Whether the fragment stage reads it.
     pub fragment: bool,
+}
+
+impl Resource {
+    /// The image, and its object: `""` for an image of the scene or of its main object. `None` for blocks, samplers and
+    /// images of no known name.
+    pub fn image(&self) -> Option<(ImageInput, &str)> {
+        if self.holds == Use::Image { ImageInput::of(&self.name) } else { None }
+    }
 }
 
 /// Kind of a resource.

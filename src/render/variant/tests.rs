@@ -1,6 +1,6 @@
 //! Programs of scenes and their inputs.
 
-use super::{Program, Purpose, Use, Variant};
+use super::{NoiseImage, PassImage, Program, Purpose, Use, Variant};
 use crate::scene::{EFFECTS, Scene, preset};
 use crate::shader::{self, Linker};
 
@@ -105,7 +105,7 @@ fn p54_the_program_of_a_shadow_reads_no_image_that_the_picture_does_not() {
         for image in images {
             assert!(picture.reads(&image.name), "{effect} on {object}: {}", image.name);
         }
-        assert!(!shadow.reads("shadow_image") && shadow.reads("View"));
+        assert!(!shadow.reads_image(PassImage::Shadow) && shadow.reads("View"));
     }
 }
 
@@ -136,5 +136,5 @@ fn m12_any_two_dmfs_make_a_stack() {
     let mut scene = preset("fur").unwrap();
     scene.effect.dmf = vec!["fur".into(), "fire".into()];
     let program = program(&scene);
-    assert!(program.reads("noise_image") && program.reads("turbulence_value_image"));
+    assert!(program.reads_image(NoiseImage::Noise) && program.reads_image(NoiseImage::TurbulenceValues));
 }

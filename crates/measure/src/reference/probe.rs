@@ -56,7 +56,7 @@ impl Linked {
         let Some((bounded, noise)) = bounded else {
             return Ok(Linked { variant, bounded: program.clone(), program, noise: None });
         };
-        let noise = bounded.binding(LOOKED_UP).map(|image| (image, noise));
+        let noise = bounded.image(LOOKED_UP).map(|image| (image, noise));
         Ok(Linked { variant, program, bounded, noise })
     }
 }
