@@ -173,6 +173,16 @@ impl NoiseImage {
     }
 }
 
+impl ObjectImage {
+    /// Whether it is made of the transfer map.
+    pub const fn is_of_transfer(self) -> bool {
+        match self {
+            ObjectImage::Transfer | ObjectImage::Index | ObjectImage::Segment | ObjectImage::Classified => true,
+            ObjectImage::Volume | ObjectImage::Bricks | ObjectImage::Closest => false,
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -7,6 +7,7 @@ mod bindings;
 mod density;
 mod error;
 mod linked;
+mod named;
 mod program;
 mod reflect;
 mod scene_variant;

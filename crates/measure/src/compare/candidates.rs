@@ -4,12 +4,10 @@
 //! out, and so is one that differs only in what its program does not read.
 
 use super::CompareError;
-use hypertexture::render::variant::{Variant, slot_of};
+use hypertexture::render::variant::Variant;
 use hypertexture::scene::{Filter, Integration, Pass, Scene, SceneError, TargetFormat};
 use hypertexture::shader::Library;
-use hypertexture::shader::file::{Include, include};
 use serde::Serialize;
-use std::collections::BTreeSet;
 
 /// Which candidates there are.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -160,7 +158,7 @@ pub fn candidates(scene: &Scene, library: &Library, sweep: &Sweep) -> Result<Vec
                 let Ok(variant) = Variant::of(&scene, library) else { continue };
                 let candidate = Candidate {
                     strategy: strategy.name.clone(),
-                    reads_block: reads_block(library, &variant),
+                    reads_block: variant.reads_block(library),
                     reads_filter: variant.reads("filter"),
                     octaves_held: variant.octaves,
                     aside,
@@ -290,35 +288,12 @@ fn chosen(all: Vec<Strategy>, sweep: &Sweep) -> Result<Vec<Strategy>, SceneError
     Ok(all.into_iter().filter(|strategy| names.iter().any(|name| is(strategy, name))).collect())
 }
 
-/// Whether the modules of turbulence and noise read a precomputed block: they, or a file that they include, name one.
-fn reads_block(library: &Library, variant: &Variant) -> bool {
-    let slots = variant.slots.iter().filter(|(key, _)| ["turbulence", "noise"].contains(&slot_of(key)));
-    let modules = slots.flat_map(|(key, names)| names.iter().filter_map(|name| library.path(slot_of(key), name).ok()));
-    let mut left: Vec<String> = modules.collect();
-    let mut seen = BTreeSet::new();
-    while let Some(path) = left.pop() {
-        if !seen.insert(path.clone()) {
-            continue;
-        }
-        for line in library.text(&path).lines() {
-            let code = line.split("//").next().unwrap_or_default();
-            if let Some(Include::File(file)) = include(code) {
-                left.push(file.into());
-            }
-            let mut words = code.split(|c: char| !c.is_alphanumeric() && c != '_');
-            if words.any(|word| word.ends_with("_block")) {
-                return true;
-            }
-        }
-    }
-    false
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use hypertexture::scene::preset;
     use hypertexture::shader;
+    use std::collections::BTreeSet;
 
     fn all(effect: &str, sweep: &Sweep) -> Vec<Candidate> {
         candidates(&preset(effect).unwrap(), &shader::shipped(), sweep).unwrap()
@@ -382,6 +357,21 @@ mod tests {
             ball.iter().all(|c| c.curve().integration == Integration::Point),
             "post-classification knows points alone"
         );
+    }
+
+    #[test]
+    fn a_name_like_that_of_a_block_varies_no_block() {
+        let sweep = Sweep { samples: Some(vec![16]), ..Sweep::default() };
+        let blocks = |text: &str| {
+            let library = shader::shipped().with_module("turbulence", "mine", text);
+            let mut scene = preset("fire").unwrap();
+            (scene.effect.turbulence, scene.effect.noise) = ("mine".into(), "procedural".into());
+            let all = candidates(&scene, &library, &sweep).unwrap();
+            let own = all.iter().filter(|own| own.strategy == "mine");
+            own.map(|own| own.curve().block).collect::<BTreeSet<_>>()
+        };
+        assert_eq!(blocks("float my_block(vec3 p) { return p.x; } /* no noise_block */"), [None].into());
+        assert!(blocks("float mine(vec3 p) { return lookup_block(noise_value_block, p, 0.0).r; }").len() > 1);
     }
 
     #[test]

@@ -11,7 +11,9 @@ use egui::{
     Align2, Color32, CornerRadius, FontId, Pos2, Rect, Response, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, pos2, vec2,
 };
 use hypertexture::render::texture::evaluate;
-use hypertexture::scene::{Color, Stop, Transfer, linear_to_srgb};
+use hypertexture::render::variant::Variant;
+use hypertexture::scene::{Color, Scene, Stop, Transfer, linear_to_srgb};
+use hypertexture::shader::Library;
 
 /// Height of the curve and of the bar, points.
 const HEIGHTS: [f32; 2] = [110.0, 22.0];
@@ -25,7 +27,7 @@ const MAX_STOPS: usize = 256;
 /// The transfer map of an object.
 pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, selected: &mut usize) {
     let at = |name: &str| format!("{}transfer.{name}", prefix(part));
-    let read = reads_map(pass, part);
+    let read = reads_map(pass.model.scene(), pass.model.library(), part);
     let refracts = pass.draft.effect.ray_path == hypertexture::scene::RayPath::Refracted;
     if !read {
         ui.weak("not used by this effect, but by medium transfer and classify post, pre, preintegrated and clear");
@@ -69,16 +71,9 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, selecte
     }
 }
 
-/// Whether a module of the effect reads the transfer map.
-fn reads_map(pass: &Pass<'_>, part: Option<&str>) -> bool {
-    let scene = pass.model.scene();
-    let effect = part.and_then(|part| scene.parts.get(part)).map_or(&scene.effect, |part| &part.effect);
-    let classified = ["post", "pre", "preintegrated", "clear"].contains(&effect.classify.as_str());
-    let library = pass.model.library();
-    let media = effect.medium.split('+').map(|name| ("medium", name));
-    let source = |(slot, name): (&str, &str)| library.source(&format!("{slot}/{name}.glsl"));
-    classified
-        || media.chain([("surface", effect.surface.as_str())]).filter_map(source).any(|text| text.contains("transfer"))
+/// Whether an object takes anything from its transfer map; true for a scene without a program.
+fn reads_map(scene: &Scene, library: &Library, part: Option<&str>) -> bool {
+    Variant::of(scene, library).map_or(true, |variant| variant.reads_transfer(library, part.unwrap_or_default()))
 }
 
 /// The curve with a point for each stop, over the histogram of densities.
@@ -260,6 +255,24 @@ fn remove(transfer: &mut Transfer, selected: &mut usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use hypertexture::scene::{Part, preset};
+    use hypertexture::shader::shipped;
+
+    #[test]
+    fn modules_decide_whether_the_map_is_read() {
+        let library = shipped().with_module(
+            "medium",
+            "mine",
+            "// transfer: no part of it\nvec3 medium(Sample s, float density) { return vec3(density); }\n",
+        );
+        let mut scene = preset("solid").unwrap();
+        assert!(reads_map(&scene, &library, None), "a file that the surface includes");
+        scene = preset("fire").unwrap();
+        scene.parts.insert("b".into(), Part { effect: scene.effect.clone(), ..Part::default() });
+        scene.effect.medium = "mine".into();
+        scene.parameters.clear();
+        assert_eq!([None, Some("b")].map(|part| reads_map(&scene, &library, part)), [false, true]);
+    }
 
     #[test]
     fn stops_keep_their_order_whatever_is_done_to_them() {
