@@ -2,7 +2,7 @@
 
 use super::scene_variant::Variant;
 use crate::scene::{Color, Scene};
-use crate::shader::{Library, tokens};
+use crate::shader::{Library, find_word, tokens};
 
 /// Opacity module that returns the density, whatever the path.
 const DENSITY: &str = "// The density in place of the opacity of a path.
@@ -44,10 +44,33 @@ fn with_opacity(library: &Library, variant: &Variant, name: &str, module: &str) 
 pub(crate) fn unlit(scene: &Scene, library: &Library) -> Scene {
     let mut scene = scene.clone();
     scene.light.shadows = false;
-    let text = |name: &str| library.source(&format!("medium/{}.glsl", name.trim())).unwrap_or_default();
-    let has_own_light = |name: &str| text(name).contains("light_color") && !text(name).contains("ambient_color");
+    let has_own_light = |name: &str| {
+        let text = library.source(&format!("medium/{}.glsl", name.trim())).unwrap_or_default();
+        let names = |member: &str| find_word(text, |word| word == member).is_some();
+        names("light_color") && !names("ambient_color")
+    };
     if !scene.effect.medium.split('+').any(has_own_light) {
         (scene.light.intensity, scene.light.ambient) = (0.0, Color([255; 3]));
     }
     scene
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::preset;
+    use crate::shader;
+
+    #[test]
+    fn media_with_a_light_of_their_own_keep_it() {
+        let unlit = |text: &str| {
+            let mut scene = preset("fire").unwrap();
+            scene.effect.medium = "mine".into();
+            unlit(&scene, &shader::shipped().with_module("medium", "mine", text)).light.intensity == 0.0
+        };
+        let lit = "vec3 medium(Sample s, float density) { return light_color.rgb; }";
+        assert!(!unlit(lit) && !unlit(&format!("// ambient_color is not read\n{lit}")));
+        assert!(unlit("vec3 medium(Sample s, float density) { return vec3(1.0); } // no light_color"));
+        assert!(unlit(&lit.replace("light_color", "(light_color + ambient_color)")));
+    }
 }
