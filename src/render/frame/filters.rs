@@ -5,12 +5,12 @@
 
 use crate::gpu::{DeviceInfo, Format};
 use crate::render::measurements::Measurements;
-use crate::render::variant::{Variant, slot_of};
+use crate::render::variant::{NoiseImage, Variant, slot_of};
 use crate::scene::{BlockFormat, FieldEncoding, Filter, RayPath, Scene};
 use std::iter;
 
 /// Images of values alone, of which `quality.block_format = auto` makes 32-bit floats.
-const VALUES: [&str; 3] = ["noise values", "turbulence values", "low octaves"];
+const VALUES: [NoiseImage; 3] = [NoiseImage::NoiseValues, NoiseImage::TurbulenceValues, NoiseImage::LowOctaves];
 
 /// A setting in place of one that the device cannot serve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,8 +57,8 @@ pub(crate) fn suited(info: &DeviceInfo, mut variant: Variant) -> Variant {
 }
 
 /// The replaced setting of a picture in words, if it has drawn anything otherwise, or a setting that this device draws
-/// wrongly; `scene` is that of the user.
-pub(super) fn note(info: &DeviceInfo, scene: &Scene, measurements: &Measurements) -> Option<String> {
+/// wrongly; `scene` is that of the user, and `drawn` the variant of the picture.
+pub(super) fn note(info: &DeviceInfo, scene: &Scene, drawn: &Variant, measurements: &Measurements) -> Option<String> {
     let is_bent = scene.effect.ray_path == RayPath::Refracted && !measurements.is_compute;
     if is_bent && info.misses_neighbors() {
         let why =
@@ -67,9 +67,9 @@ pub(super) fn note(info: &DeviceInfo, scene: &Scene, measurements: &Measurements
     }
     let (replacement, format) = replacement(info, scene)?;
     let (setting, is_read) = match replacement {
-        Replacement::Exact => ("quality.filter = exact", measurements.modules.contains("filter=exact")),
+        Replacement::Exact => ("quality.filter = exact", drawn.reads("filter")),
         Replacement::Blocks => {
-            let is_block = |name: &String| VALUES.contains(&name.as_str());
+            let is_block = |name: &String| VALUES.iter().any(|image| image.label() == name);
             ("quality.block_format = unorm16", measurements.images.iter().any(|image| is_block(&image.name)))
         }
     };

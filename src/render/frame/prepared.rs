@@ -236,6 +236,11 @@ impl Prepared {
         own.0 == wanted.0 && own.1 == wanted.1 && own.2.iter().all(|zero| wanted.2.contains(zero))
     }
 
+    /// Slots of the program. A variant that it serves may fold further terms.
+    pub(super) fn slots(&self) -> &Slots {
+        &self.variant.slots
+    }
+
     /// Context of a picture, with the slots of this program: its cells and tables serve the next picture, in which a zero
     /// may have changed.
     fn context(&self, variant: &Variant, subject: &Subject) -> FrameContext {

@@ -231,29 +231,29 @@ impl Renderer {
             found = Some(prepared.choose_way(&own, &library, frame, &*stop)?);
             Ok(())
         };
-        let mut frame = loop {
+        let (slots, mut frame) = loop {
             let prelude: Option<Prelude<'_>> = if is_open { Some(&mut choose) } else { None };
             let prepared = self.prepared(&variant, Destination::Frame, &|_| ())?;
+            let slots = prepared.slots().clone();
             let told = |ms: f64, part: f32| {
                 progress(part);
                 stop(ms)
             };
             let frame = prepared.frame(&variant, &subject, areas, wanted, prelude, &told);
             match frame.map_err(|error| with_module_cause(error, &self.library, &self.plain(&own), &subject))? {
-                Some(frame) => break frame,
+                Some(frame) => break (slots, frame),
                 None => self.cut_short.push((variant.slots.clone(), variant.scene.quality.samples)),
             }
             (variant, is_open) = (variant.without_two_phase(), false);
         };
         found.into_iter().for_each(|way| self.ways.set(&own, way));
-        // The record of a picture does not depend on a trial, which depends on time.
-        let phases = |is_direct: bool| if is_direct { "empty_space=leap" } else { "empty_space=skip" };
-        let [drawn, recorded] = [frame.measurements.is_direct, !self.plain(&own).uses_two_phase()].map(phases);
-        frame.measurements.modules = frame.measurements.modules.replace(drawn, recorded);
         frame.measurements.total_ms = std::mem::take(&mut self.prepared_ms) + start.elapsed().as_secs_f64() * 1e3;
         let taken = own_processor_time().zip(before).map(|(after, before)| after.saturating_sub(before));
         frame.measurements.processor_ms = taken.map(|taken| taken.as_secs_f64() * 1e3);
-        frame.measurements.replaced = note(self.gpu.info(), &asked.scene, &frame.measurements);
+        let drawn = Variant { slots, ..variant };
+        frame.measurements.replaced = note(self.gpu.info(), &asked.scene, &drawn, &frame.measurements);
+        // The record of a picture does not depend on a trial, which depends on time.
+        frame.measurements.modules = drawn.with_phases_of(&self.plain(&own)).key();
         frame.measurements.others = subject.all_others().cloned().collect();
         Ok(frame)
     }

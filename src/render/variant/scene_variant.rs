@@ -23,6 +23,8 @@ const COMPUTE_ENTRIES: [(&str, &str); 4] = [
 ];
 /// Entry files of the pictures whose operations are counted.
 const COUNTED_ENTRIES: [&str; 3] = ["march.frag", "march.frag#compute", "slice.frag"];
+/// Slot of the search for matter: `skip` finds it in a first phase.
+const PHASES: &str = "empty_space";
 /// Replacements, in programs of shadows and depth, of modules that color and light matter.
 const SHADOW_SLOTS: [(&str, &str); 4] =
     [("surface", "unlit"), ("medium", "material"), ("shadow", "none"), ("gradient", "analytic")];
@@ -134,7 +136,7 @@ impl Variant {
 
     /// Whether rays find matter in a first phase and shade it in a second, which waits for the other rays of a group.
     pub(crate) fn uses_two_phase(&self) -> bool {
-        self.module("empty_space") == Some("skip")
+        self.module(PHASES) == Some("skip")
     }
 
     /// The fastest variant for a device. GPUs skip branches that no ray of a group takes, and shade soft matter
@@ -204,9 +206,17 @@ impl Variant {
     pub(crate) fn without_two_phase(&self) -> Variant {
         let mut variant = self.clone();
         if self.uses_two_phase() {
-            variant.slots.insert("empty_space".into(), vec!["leap".into()]);
+            variant.slots.insert(PHASES.into(), vec!["leap".into()]);
         }
         variant
+    }
+
+    /// The variant in as many phases as another variant of its scene.
+    pub(crate) fn with_phases_of(mut self, other: &Variant) -> Variant {
+        if let (Some(own), Some(module)) = (self.slots.get_mut(PHASES), other.slots.get(PHASES)) {
+            own.clone_from(module);
+        }
+        self
     }
 
     /// Modules of another program of the scene.
@@ -237,7 +247,7 @@ impl Variant {
                 // A shadow reads no image that the picture does not, and its steps fade octaves differently.
                 let own = self.slots.get("cells").filter(|_| !fades);
                 *names = own.cloned().unwrap_or_else(|| vec!["none".into()]);
-            } else if slot == "empty_space" && names == &["skip"] && !scene.may_find_first(library) {
+            } else if slot == PHASES && names == &["skip"] && !scene.may_find_first(library) {
                 *names = vec!["leap".into()];
             } else if slot == "filter" && purpose == Purpose::Cells {
                 *names = vec!["device".into()]; // bounds of texels, not samples

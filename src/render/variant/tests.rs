@@ -132,6 +132,15 @@ fn m28_the_constants_are_those_of_the_paper() {
 }
 
 #[test]
+fn phases_are_those_of_another_variant() {
+    let own = Variant::of(&preset("lit").unwrap(), &shader::shipped()).unwrap();
+    let direct = own.without_two_phase();
+    assert!(own.uses_two_phase() && !direct.uses_two_phase());
+    assert_eq!(direct.clone().with_phases_of(&own).key(), own.key());
+    assert_eq!(own.with_phases_of(&direct).key(), direct.key());
+}
+
+#[test]
 fn m12_any_two_dmfs_make_a_stack() {
     let mut scene = preset("fur").unwrap();
     scene.effect.dmf = vec!["fur".into(), "fire".into()];
