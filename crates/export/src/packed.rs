@@ -6,6 +6,7 @@
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use hypertexture::gpu::Format;
+use hypertexture::render::variant::{ImageInput, ObjectImage};
 use hypertexture::render::{Portable, PortableImage};
 use rayon::prelude::*;
 use std::io::Write;
@@ -16,41 +17,18 @@ const LEVEL: u32 = 5;
 /// Lowest bits of each channel that pages leave out. Normals keep 12 bits, ways to closest points 13, which is a 4000th of the
 /// object; distances, noise and colors keep all. Fewer: a furry teapot takes 3 MB more.
 pub(crate) fn left_out(image: &PortableImage) -> [u32; 4] {
-    let is = |name: &str| image.name.starts_with(name) && image.format == Format::Rgba16Unorm;
-    match (is("volume_image"), is("closest_image")) {
-        (true, _) => [4, 4, 4, 0],
-        (_, true) => [3; 4],
+    match (image.input, image.format) {
+        (ImageInput::Object(ObjectImage::Volume), Format::Rgba16Unorm) => [4, 4, 4, 0],
+        (ImageInput::Object(ObjectImage::Closest), Format::Rgba16Unorm) => [3; 4],
         _ => [0; 4],
     }
-}
-
-/// Distance inside the hard region to which rays may look, object units.
-const INSIDE: f32 = 0.1;
-
-/// Marks ways to closest points that no ray reads: deep inside, and beyond the widest soft region.
-fn unread(portable: &Portable, image: &PortableImage) -> Option<Vec<bool>> {
-    let suffix = image.name.strip_prefix("closest_image")?;
-    let volume = portable.images.iter().find(|own| own.name == format!("volume_image{suffix}"))?;
-    if volume.format != Format::Rgba16Unorm {
-        return None;
-    }
-    let value = |name: &str| portable.values.get(&format!("{name}{suffix}"));
-    let (decode, outer) = (value("distance_decode")?, format!("outer_iso_value{suffix}"));
-    let voxel = value("volume_texel")?.iter().zip(value("volume_scale")?).take(3).map(|(texel, scale)| texel / scale);
-    let near = 2.0 * voxel.fold(0.0, f32::max);
-    let tables = portable.parameters.iter().filter_map(|own| own.follow.get(&outer));
-    let widest = tables.flatten().chain(portable.values.get(&outer)).flatten().copied().fold(0.0, f32::max);
-    let read = value("iso_value")?[0] - near - INSIDE..=widest + near;
-    let code = |texel: &[u8; 8]| f32::from(u16::from_le_bytes([texel[6], texel[7]])) / 65535.0;
-    let texels = volume.bytes.as_chunks().0.iter();
-    Some(texels.map(|texel| !read.contains(&(decode[0] + decode[1] * code(texel)))).collect())
 }
 
 /// The compressed texels of an image.
 pub(crate) fn pack(portable: &Portable, image: &PortableImage) -> Vec<u8> {
     let channels = image.format.channels() as usize;
     let bytes = image.format.bytes() as usize / channels;
-    let (left_out, unread) = (left_out(image), unread(portable, image));
+    let (left_out, unread) = (left_out(image), portable.unread(image));
     let mut first = 0;
     let mut planes = Vec::new();
     for level in 0..image.levels {

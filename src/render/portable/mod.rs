@@ -4,11 +4,13 @@
 //! nothing from the device but a fragment shader. Invariant: rays without proven cells and in one phase; no parameter is
 //! folded into the program.
 
+mod unread;
+
 use super::camera::{FrameContext, SubFrame, slant};
 use super::error::RenderError;
 use super::inputs::Inputs;
 use super::subject::{Subject, field_margin};
-use super::variant::{PassImage, Program, Purpose, Variant, VariantError};
+use super::variant::{ImageInput, PassImage, Program, Purpose, Variant, VariantError};
 use crate::field::Progress;
 use crate::gpu::{Address, Dimension, Format};
 use crate::scene::schema::{Changes, setting};
@@ -91,6 +93,10 @@ pub struct PortableImage {
     pub binding: u32,
     /// Name of the binding.
     pub name: String,
+    /// Content.
+    pub input: ImageInput,
+    /// Its additional object; empty for an image of the scene or of its main object.
+    pub object: String,
     /// Size in texels.
     pub dimension: Dimension,
     /// Texel format.
@@ -241,12 +247,7 @@ impl Portable {
             Some(PortableSampler { binding: *binding, name: name(*binding)?, address, anisotropy })
         });
         let samplers = samplers.collect();
-        let images = inputs.images.iter().filter_map(|(binding, image)| {
-            let (dimension, format, bytes) = (image.dimension, image.format, image.bytes.clone());
-            let levels = levels(dimension, bytes.len() as u64 / format.bytes());
-            Some(PortableImage { binding: *binding, name: name(*binding)?, dimension, format, levels, bytes })
-        });
-        let images = images.collect();
+        let images = images(picture, &inputs);
         let time = variant.scene.camera.time;
         let sub_frame =
             |own: SubFrame| [own.offset[0].into(), own.offset[1].into(), own.time - time, own.jitter_seed.into()];
@@ -277,6 +278,19 @@ pub fn widest(scene: &Scene, library: &Library) -> Result<Variant, VariantError>
 fn program(name: &'static str, variant: &Variant, library: &Library) -> Result<PortableProgram, RenderError> {
     let program = variant.program(library, Linker::new)?;
     Ok(PortableProgram { name, program, glsl: variant.text(library)? })
+}
+
+/// Images that a program reads.
+fn images(program: &Program, inputs: &Inputs) -> Vec<PortableImage> {
+    let images = inputs.images.iter().filter_map(|(binding, image)| {
+        let resource = program.resources.iter().find(|own| own.binding == *binding)?;
+        let (input, object) = resource.image()?;
+        let (dimension, format, bytes) = (image.dimension, image.format, image.bytes.clone());
+        let levels = levels(dimension, bytes.len() as u64 / format.bytes());
+        let (name, object) = (resource.name.clone(), object.to_string());
+        Some(PortableImage { binding: *binding, name, input, object, dimension, format, levels, bytes })
+    });
+    images.collect()
 }
 
 /// First and last second of the motion of a scene, and its moments at equal distances; `None` if nothing moves.
