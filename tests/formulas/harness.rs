@@ -228,6 +228,19 @@ impl Check {
         })
     }
 
+    /// Most loop iterations of a point.
+    pub fn turns(&self) -> u64 {
+        let program = Program::read(&self.linked.fragment, &[(0, OCTAVES)]).unwrap_or_else(|error| panic!("{error}"));
+        let setting = self.setting.clone().numbered(0);
+        let inputs = self.inputs(&setting);
+        let mut random = Random::new(0, "points");
+        let points: Vec<[[f64; 4]; 4]> = (0..64).map(|_| (self.give)(&mut random, &setting)).collect();
+        let varyings = (0..4).map(|input| (input as u32, points.iter().map(|p| p[input]).collect())).collect();
+        let lanes = Invocations { fragment_coordinates: vec![[0.5; 4]; points.len()], varyings };
+        let bound = program.bind(&inputs).unwrap();
+        (0..1000).find(|most| bound.measure_within(&lanes, *most).is_ok()).expect("fewer than 1000 iterations")
+    }
+
     fn inputs(&self, setting: &Setting) -> Inputs {
         let mut inputs = Inputs::default();
         for resource in &self.linked.resources {

@@ -21,6 +21,7 @@ mod hairy;
 mod harness;
 mod knots;
 mod light;
+mod loops;
 mod means;
 mod medium;
 mod noise;
