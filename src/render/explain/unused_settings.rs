@@ -13,7 +13,7 @@ use crate::render::frame::OpaqueMask;
 use crate::render::inputs::{Filter, StoredObjects, blocks, image_key};
 use crate::render::subject::{Recipe, Subject, SubjectRequest, opened};
 use crate::render::variant::{
-    BLOCK_SAMPLER, Checkable, GroomImage, OCTAVES_ID, PassImage, Program, Purpose, Resource, Variant,
+    Checkable, GroomImage, OCTAVES_ID, PassImage, Program, Purpose, Resource, SamplerInput, Variant,
 };
 use crate::scene::schema::{Kind, SETTINGS, Setting, setting};
 use crate::scene::{self, Object, Order, Pass, Quality, Scene};
@@ -230,7 +230,7 @@ impl<'a> PictureComparer<'a> {
         }
         let mut read = self.read(&variant)?;
         // The border mode only matters for blocks and for noise with a period.
-        if !read.program.reads(BLOCK_SAMPLER)
+        if !read.program.reads(SamplerInput::Block.binding())
             && variant.periods.iter().all(|period| *period == Period::ENDLESS)
             && let Some(wrap) = variant.slots.get_mut("wrap")
         {
@@ -283,7 +283,7 @@ impl<'a> PictureComparer<'a> {
                 }
                 add(format!("{image:?} {object} {}", image_key(&frame, object, image)));
                 if let Some(sampler) = sampler.and_then(resource) {
-                    add(format!("{:?}", Filter::of(&sampler.name, &scene.quality)));
+                    add(format!("{:?}", Filter::of(sampler.sampler().unwrap_or_default(), &scene.quality)));
                 }
             }
             let mut before = String::new();

@@ -1,7 +1,7 @@
 //! Images and samplers encoded for the device.
 
 use crate::gpu::{Address, Dimension, Format};
-use crate::render::variant::{BLOCK_SAMPLER, ImageInput, ObjectImage};
+use crate::render::variant::{ImageInput, ObjectImage, SamplerInput};
 use crate::scene::{self, Quality, Wrap};
 use bytemuck::NoUninit;
 use serde::{Deserialize, Serialize};
@@ -46,18 +46,18 @@ pub(crate) struct Filter {
 }
 
 impl Filter {
-    /// Sampler of a binding name in `interface.glsl`. Only the volume sampler is anisotropic: lavapipe of Mesa 22.3
-    /// crashes with an anisotropic sampler of a 1D image, tables are never seen at a slant, and blocks are read at an
-    /// explicit level.
-    pub(crate) fn of(name: &str, quality: &Quality) -> Filter {
-        let (address, anisotropy) = match name {
-            "table_sampler" => (Address::Clamp, 1.0),
-            "repeat_sampler" => (Address::Repeat, 1.0),
-            BLOCK_SAMPLER if quality.wrap == Wrap::Mirror => (Address::Mirror, 1.0),
-            BLOCK_SAMPLER => (Address::Repeat, 1.0),
-            _ => (Address::Clamp, quality.anisotropy),
+    /// Only the sampler of volumes is anisotropic: lavapipe of Mesa 22.3 crashes with an anisotropic sampler of a 1D image,
+    /// tables are never seen at a slant, and blocks are read at an explicit level.
+    pub(crate) fn of(sampler: SamplerInput, quality: &Quality) -> Filter {
+        let (address, anisotropy) = match sampler {
+            SamplerInput::Table => (Address::Clamp, 1.0),
+            SamplerInput::Repeat => (Address::Repeat, 1.0),
+            SamplerInput::Block if quality.wrap == Wrap::Mirror => (Address::Mirror, 1.0),
+            SamplerInput::Block => (Address::Repeat, 1.0),
+            SamplerInput::Clamp => (Address::Clamp, quality.anisotropy),
         };
-        let reads_centers = name == "repeat_sampler" || (quality.filter == scene::Filter::Exact && anisotropy == 1.0);
+        let is_exact = quality.filter == scene::Filter::Exact;
+        let reads_centers = sampler == SamplerInput::Repeat || (is_exact && anisotropy == 1.0);
         Filter { address, anisotropy, reads_centers }
     }
 }

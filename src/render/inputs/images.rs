@@ -122,7 +122,10 @@ impl Inputs {
                     };
                     images.push((*binding, made));
                 }
-                Use::Sampler => samplers.push((*binding, Filter::of(name, &scene.quality))),
+                Use::Sampler => {
+                    let sampler = resource.sampler().unwrap_or_default();
+                    samplers.push((*binding, Filter::of(sampler, &scene.quality)));
+                }
                 Use::Block(_) => {}
             }
         }

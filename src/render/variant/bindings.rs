@@ -3,9 +3,6 @@
 //! Invariant: names of bindings stand here alone. An additional object `NAME` has images of its own, whose names end in
 //! `_NAME`.
 
-/// Sampler of blocks.
-pub(crate) const BLOCK_SAMPLER: &str = "block_sampler";
-
 /// Declares images: each with the name of its binding and its name in words.
 macro_rules! images {
     ($(#[$doc:meta])* $name:ident in $group:ident { $($(#[$of:meta])* $image:ident = $binding:literal, $label:literal;)* }) => {
@@ -173,6 +170,38 @@ impl NoiseImage {
     }
 }
 
+/// A sampler that a program may use.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SamplerInput {
+    /// That of tables of one and two dimensions, which clamps.
+    Table,
+    /// That of volumes, which clamps.
+    #[default]
+    Clamp,
+    /// That of tables of noise, which repeats.
+    Repeat,
+    /// That of blocks.
+    Block,
+}
+
+impl SamplerInput {
+    /// Name of the binding.
+    pub const fn binding(self) -> &'static str {
+        match self {
+            SamplerInput::Table => "table_sampler",
+            SamplerInput::Clamp => "clamp_sampler",
+            SamplerInput::Repeat => "repeat_sampler",
+            SamplerInput::Block => "block_sampler",
+        }
+    }
+
+    /// The sampler of a binding.
+    pub fn of(binding: &str) -> Option<SamplerInput> {
+        let all = [SamplerInput::Table, SamplerInput::Clamp, SamplerInput::Repeat, SamplerInput::Block];
+        all.into_iter().find(|sampler| sampler.binding() == binding)
+    }
+}
+
 impl ObjectImage {
     /// Whether it is made of the transfer map.
     pub const fn is_of_transfer(self) -> bool {
@@ -198,6 +227,15 @@ mod tests {
         declared.sort_unstable();
         known.sort_unstable();
         assert_eq!(known, declared);
+    }
+
+    #[test]
+    fn samplers_are_those_of_the_interface() {
+        let library = shader::shipped();
+        let text = library.source("interface.glsl").unwrap();
+        let declared = text.lines().filter_map(|line| line.split_once(" uniform sampler ")?.1.split(';').next());
+        let declared: Vec<&str> = declared.collect();
+        assert!(declared.len() == 4 && declared.iter().all(|name| SamplerInput::of(name).is_some()), "{declared:?}");
     }
 
     #[test]

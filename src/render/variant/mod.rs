@@ -13,8 +13,7 @@ mod reflect;
 mod scene_variant;
 
 pub use crate::scene::FORMULAS;
-pub(crate) use bindings::BLOCK_SAMPLER;
-pub use bindings::{GroomImage, ImageInput, NoiseImage, ObjectImage, PassImage};
+pub use bindings::{GroomImage, ImageInput, NoiseImage, ObjectImage, PassImage, SamplerInput};
 pub(crate) use density::{as_density, as_extinction, unlit};
 pub use error::VariantError;
 pub(crate) use program::parts;

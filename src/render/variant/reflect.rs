@@ -1,6 +1,6 @@
 //! Reflection of optimized SPIR-V: the live bindings of a program.
 
-use super::bindings::ImageInput;
+use super::bindings::{ImageInput, SamplerInput};
 use crate::shader::spirv::{Decoration, ExecutionModel, Op, instructions};
 use spirq::ReflectConfig;
 use spirq::ty::{DescriptorType, Type};
@@ -32,6 +32,11 @@ impl Resource {
     /// images of no known name.
     pub fn image(&self) -> Option<(ImageInput, &str)> {
         if self.holds == Use::Image { ImageInput::of(&self.name) } else { None }
+    }
+
+    /// The sampler; `None` for blocks, images and samplers of no known name.
+    pub fn sampler(&self) -> Option<SamplerInput> {
+        if self.holds == Use::Sampler { SamplerInput::of(&self.name) } else { None }
     }
 }
 
