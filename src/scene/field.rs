@@ -1,7 +1,6 @@
 //! Fields of a scene by name, as for `--set`.
 
 use super::error::reason;
-use super::renamed;
 use super::schema::{Changes, float, setting};
 use super::{Scene, SceneError};
 use std::collections::BTreeMap;
@@ -14,7 +13,6 @@ impl Scene {
     /// # Errors
     /// The field does not exist, or does not take the value. [`Scene::check`] checks it against other fields.
     pub fn set_field(&mut self, name: &str, value: &str) -> Result<(), SceneError> {
-        let (name, value) = (&*renamed::name(name), &*renamed::value(name, value));
         let wrong = |limit: String| SceneError::value(name, value, limit.replace('\n', " "));
         let mut whole = Table::try_from(&*self).map_err(|error| wrong(error.to_string()))?;
         let (tables, field) = name.rsplit_once('.').map_or((Vec::new(), name), |(t, f)| (t.split('.').collect(), f));

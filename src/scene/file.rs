@@ -2,7 +2,6 @@
 
 use super::error::reason;
 use super::field::flatten;
-use super::renamed;
 use super::schema::{Kind, Setting, setting};
 use super::{Reach, Scene, SceneError, preset_texts};
 use crate::shape::BUILT_IN;
@@ -21,7 +20,6 @@ pub fn load(path: &Path, reach: Reach) -> Result<Scene, SceneError> {
     let name = path.display().to_string();
     let fail = |reason: String| SceneError::Read { path: name.clone(), reason };
     let text = open::text(path, MAX_BYTES).map_err(|error| fail(error.to_string()))?;
-    let text = renamed::update(text, &name);
     let mut scene = parse(&text, &name).map_err(|error| match error {
         SceneError::Syntax { .. } | SceneError::Read { .. } => error,
         other => fail(other.to_string()),
@@ -71,7 +69,6 @@ fn line_of(text: &str, field: &str) -> Option<usize> {
 /// # Errors
 /// [`SceneError::Syntax`] with the line, [`SceneError::Read`] without one, or an unknown preset.
 pub fn parse(text: &str, name: &str) -> Result<Scene, SceneError> {
-    let text = &*renamed::update(text.into(), name);
     let scene: Scene = toml::from_str(text).map_err(|error| syntax(&error, text, name))?;
     let mut values = Vec::new();
     flatten("", table(text, name)?, &mut values);

@@ -26,7 +26,6 @@ mod preset_texts;
 mod presets;
 mod quality;
 mod reach;
-mod renamed;
 pub mod schema;
 mod setting;
 mod slots;

@@ -30,7 +30,7 @@ settings! {
         outer_iso: f32 = 0.15 => Images, number(-2.0, 2.0);
         /// Encoding of the distance field.
         field_encoding: FieldEncoding = FieldEncoding::Auto
-            => Field, Kind::Choice(FieldEncoding::CHOICES), renamed_flag("field-encoding", "source");
+            => Field, Kind::Choice(FieldEncoding::CHOICES), flag("field-encoding");
         /// Part of a volume that is in device memory.
         storage: Storage = Storage::Dense => Field, Kind::Choice(Storage::CHOICES);
     }

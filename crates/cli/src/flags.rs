@@ -69,7 +69,7 @@ fn argument(setting: &'static Setting, flag: Flag) -> Arg {
         (Kind::Number(range) | Kind::Numbers(_, range), _) if range.high >= WIDE => doc.into(),
         (_, limits) => format!("{doc} [{limits}{none}]"),
     };
-    let mut argument = Arg::new(flag.name).long(flag.name).aliases(flag.former).value_name(name).help(help);
+    let mut argument = Arg::new(flag.name).long(flag.name).value_name(name).help(help);
     argument = match setting.kind {
         Kind::Number(_) | Kind::Whole(_) => argument.allow_negative_numbers(true),
         Kind::Numbers(..) => argument.allow_hyphen_values(true),

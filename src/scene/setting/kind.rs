@@ -71,8 +71,6 @@ pub struct Range {
 pub struct Flag {
     /// Name, without the dashes.
     pub name: &'static str,
-    /// Name in earlier versions, which still works.
-    pub former: Option<&'static str>,
     /// Value of the flag without a value; `None` if it needs one.
     pub alone: Option<&'static str>,
 }
@@ -118,19 +116,13 @@ impl Setting {
 
     /// With a flag of the command line.
     pub(crate) const fn flag(mut self, name: &'static str) -> Setting {
-        self.flag = Some(Flag { name, former: None, alone: None });
-        self
-    }
-
-    /// With a flag that also has a former name.
-    pub(crate) const fn renamed_flag(mut self, name: &'static str, former: &'static str) -> Setting {
-        self.flag = Some(Flag { name, former: Some(former), alone: None });
+        self.flag = Some(Flag { name, alone: None });
         self
     }
 
     /// With a flag that may stand without a value, and then sets this one.
     pub(crate) const fn flag_alone(mut self, name: &'static str, alone: &'static str) -> Setting {
-        self.flag = Some(Flag { name, former: None, alone: Some(alone) });
+        self.flag = Some(Flag { name, alone: Some(alone) });
         self
     }
 
