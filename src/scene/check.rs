@@ -3,11 +3,13 @@
 use super::header::{declaring, header};
 use super::loops::{BENDING_LOOPS, BENDING_STEPS, LOOP_BUDGET, SHADOW_SAMPLES};
 use super::schema::setting;
+use super::setting::Node;
 use super::{Integration, Jitter, Object, Parameters, Pass, RayPath, Repeat, Scene, SceneError, Storage};
 use crate::shader::declare::Outside;
 use crate::shader::library::Library;
 use crate::shader::slots::{FORMULA, NONE};
 use crate::shader::{Declarations, Slots};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 impl Scene {
@@ -16,11 +18,20 @@ impl Scene {
     /// # Errors
     /// The first error, with field, value and allowed values.
     pub fn check(&self, library: &Library) -> Result<Parameters, SceneError> {
+        Ok(self.checked_moment(library)?.1)
+    }
+
+    /// The scene at its time as by [`Scene::moment`], checked, with the values of its parameters.
+    ///
+    /// # Errors
+    /// Those of [`Scene::check`].
+    pub(crate) fn checked_moment(&self, library: &Library) -> Result<(Cow<'_, Scene>, Parameters), SceneError> {
         self.check_names()?;
         let moment = self.moment()?;
         let declared = moment.check_still(library)?;
         self.check_keys_of_parameters(&declared)?;
-        Ok(moment.parameters(&declared)?.in_loop(moment.looped(library)))
+        let parameters = moment.parameters(&declared)?.in_loop(moment.looped(library));
+        Ok((moment, parameters))
     }
 
     /// Checks a scene without tracks, and returns the declarations of its modules.
@@ -85,6 +96,9 @@ impl Scene {
 
     /// Checks all values against their settings, except those of additional objects.
     fn check_values(&self) -> Result<(), SceneError> {
+        if self.is_valid(None) {
+            return Ok(());
+        }
         let fields = self.fields();
         let own = fields.iter().filter(|(name, _)| !name.starts_with("parts.") || name.contains(".transform."));
         own.filter_map(|(name, value)| Some((name, value, setting(name)?)))

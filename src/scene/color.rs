@@ -1,5 +1,6 @@
 //! Colors: sRGB in files, linear in computations.
 
+use super::setting::Leaf;
 use serde::{Deserialize, Serialize};
 
 /// A color, written `#rrggbb` in sRGB.
@@ -13,6 +14,8 @@ impl Color {
         self.0.map(|code| srgb_to_linear(f32::from(code) / 255.0))
     }
 }
+
+impl Leaf for Color {}
 
 impl TryFrom<String> for Color {
     type Error = String;

@@ -1,18 +1,18 @@
 //! A scene and its small tables.
 
-use super::setting::{choices, settings};
+use super::setting::{Changes, Leaf, choices, settings};
 use super::{Animation, Camera, Color, Effect, Light, Object, Part, Quality, Transfer};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 settings! {
     /// Everything that determines a picture.
-    pub struct Scene = "" {
+    pub struct Scene: FieldId = "" {
         /// The preset that the scene starts from; the fields of the file override it.
         #[serde(skip_serializing_if = "Option::is_none")]
         preset: Option<String> = None => Picture, Kind::Text, optional("lit");
         /// A description of the scene, one sentence.
-        about: String = String::new() => Picture, Kind::Text;
+        about: String = String::new() => View, Kind::Text;
         /// The object.
         object: Object = Object::default();
         /// The modules of the effect.
@@ -62,6 +62,10 @@ choices! {
     }
 }
 
+impl Leaf for ParameterValue {
+    const CHANGES: Changes = Changes::Picture;
+}
+
 /// The value of a parameter in a scene file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
@@ -74,7 +78,7 @@ pub enum ParameterValue {
 
 settings! {
     /// Reflection of the hard surface.
-    pub struct Material = "material." {
+    pub struct Material: MaterialField = "material." {
         /// Color of the hard surface.
         color: Color = Color([201, 190, 172]) => Picture, Kind::Color;
         /// Strength of the highlight.
@@ -86,10 +90,10 @@ settings! {
 
 settings! {
     /// The picture.
-    pub struct Picture = "image." {
+    pub struct Picture: PictureField = "image." {
         /// Width and height in pixels.
-        size: [u32; 2] = [512, 512] => Targets, wholes(2, 1.0, 16384.0), flag("size");
+        size: [u32; 2] = [512, 512] => Size, wholes(2, 1.0, 16384.0), flag("size");
         /// Background color; transparent by default.
-        background: Option<Color> = None => Picture, Kind::Color, optional("#20242c"), flag("background");
+        background: Option<Color> = None => View, Kind::Color, optional("#20242c"), flag("background");
     }
 }

@@ -5,7 +5,7 @@ use super::setting::{choices, settings};
 
 settings! {
     /// The modules of an effect: names of files in the folders of `glsl`.
-    pub struct Effect = "effect." {
+    pub struct Effect: EffectField = "effect." {
         /// Density modulation functions, applied in this order; a mask limits the place of one.
         dmf: Vec<String> = Vec::new() => Images, Kind::Stack;
         /// Displacements of the sampled position, applied in this order.

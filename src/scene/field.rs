@@ -1,44 +1,94 @@
 //! Fields of a scene by name, as for `--set`.
 
 use super::error::reason;
-use super::schema::{Changes, float, setting};
-use super::{Scene, SceneError};
+use super::schema::{ChangeSet, Setting, float, setting};
+use super::setting::Node;
+use super::{FieldId, Scene, SceneError};
 use std::collections::BTreeMap;
+use std::fmt;
 use toml::{Table, Value};
 
+impl FieldId {
+    /// The field with a name such as `light.color` or `parts.stone.transform.at`. Tables have no identity.
+    pub fn named(name: &str) -> Option<FieldId> {
+        if name.ends_with('.') { None } else { Scene::find(name) }
+    }
+
+    /// The setting of the field; `None` for parameters, modules and tracks.
+    pub fn setting(&self) -> Option<&'static Setting> {
+        <Scene as Node>::setting(self)
+    }
+}
+
+impl fmt::Display for FieldId {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut name = String::new();
+        Scene::write_name(self, &mut name);
+        formatter.write_str(&name)
+    }
+}
+
 impl Scene {
+    /// The value of a field; `None` if it has none.
+    pub fn value(&self, field: &FieldId) -> Option<Value> {
+        Node::get(self, field)
+    }
+
+    /// The value of the field with a name; `None` if it has none.
+    pub fn value_named(&self, name: &str) -> Option<Value> {
+        self.value(&FieldId::named(name)?)
+    }
+
     /// Sets a field, named with its tables such as `light.color` or `parts.stone.transform.at`. The value is written as in a
     /// scene file; a text needs no quotes. An empty value restores the default.
     ///
     /// # Errors
     /// The field does not exist, or does not take the value. [`Scene::check`] checks it against other fields.
     pub fn set_field(&mut self, name: &str, value: &str) -> Result<(), SceneError> {
-        let wrong = |limit: String| SceneError::value(name, value, limit.replace('\n', " "));
-        let mut whole = Table::try_from(&*self).map_err(|error| wrong(error.to_string()))?;
+        let parsed = (!value.is_empty()).then(|| parse_value(value));
+        if let (Some(setting), Some(parsed)) = (setting(name), &parsed) {
+            setting.check(name, parsed)?;
+        }
+        self.insert(name, parsed).map_err(|limit| SceneError::value(name, value, limit.replace('\n', " ")))
+    }
+
+    /// Sets a field or a table by its name, without a check of the value against its setting.
+    pub(super) fn insert(&mut self, name: &str, value: Option<Value>) -> Result<(), String> {
+        match FieldId::named(name) {
+            Some(field) if !matches!(value, Some(Value::Table(_))) => {
+                self.set(&field, value.as_ref(), Scene::default).map_err(|error| reason(&error))
+            }
+            _ => self.insert_in_table(name, value),
+        }
+    }
+
+    /// Sets a table by its name. The reader of scene files checks it, and says which fields there are.
+    fn insert_in_table(&mut self, name: &str, value: Option<Value>) -> Result<(), String> {
+        let mut whole = Table::try_from(&*self).map_err(|error| error.to_string())?;
         let (tables, field) = name.rsplit_once('.').map_or((Vec::new(), name), |(t, f)| (t.split('.').collect(), f));
         let mut table = &mut whole;
         for name in tables {
             let below = table.entry(name).or_insert_with(|| Table::new().into());
-            table = below.as_table_mut().ok_or_else(|| wrong(format!("{name} has no fields of its own")))?;
+            table = below.as_table_mut().ok_or_else(|| format!("{name} has no fields of its own"))?;
         }
         match value {
-            "" => drop(table.remove(field)),
-            _ => {
-                let value = parse_value(value);
-                setting(name).map_or(Ok(()), |setting| setting.check(name, &value))?;
-                table.insert(field.into(), value);
-            }
+            Some(value) => drop(table.insert(field.into(), value)),
+            None => drop(table.remove(field)),
         }
-        *self = whole.try_into().map_err(|error| wrong(reason(&error)))?;
+        *self = whole.try_into().map_err(|error| reason(&error))?;
         Ok(())
     }
 
-    /// All fields of the scene file, with their names for [`Scene::set_field`].
-    pub fn fields(&self) -> Vec<(String, Value)> {
-        let whole = Table::try_from(self).expect("a scene holds nothing that TOML cannot hold");
-        let mut fields = Vec::new();
-        flatten("", whole, &mut fields);
+    /// All fields with a value, by name.
+    fn by_name(&self) -> BTreeMap<String, FieldId> {
+        let mut fields = BTreeMap::new();
+        self.each(&mut |field| drop(fields.insert(field.to_string(), field)));
         fields
+    }
+
+    /// All fields with a value, in the order of their names for [`Scene::set_field`].
+    pub fn fields(&self) -> Vec<(String, Value)> {
+        self.by_name().into_iter().filter_map(|(name, field)| Some((name, self.value(&field)?))).collect()
     }
 
     /// Fingerprint of the scene that ignores colors and the magnitude of numbers other than 0.
@@ -54,23 +104,18 @@ impl Scene {
 
     /// Fields that differ from `base`, with their values; `None` for a missing field.
     pub fn difference(&self, base: &Scene) -> Vec<(String, Option<Value>)> {
-        let (before, after) = (base.fields(), self.fields());
-        let [had, has] = [&before, &after]
-            .map(|fields| fields.iter().map(|(name, value)| (name.as_str(), value)).collect::<BTreeMap<_, _>>());
-        let gone =
-            before.iter().filter(|(name, _)| !has.contains_key(name.as_str())).map(|(name, _)| (name.clone(), None));
-        let new = after.iter().filter(|(name, value)| had.get(name.as_str()) != Some(&value));
-        gone.chain(new.map(|(name, value)| (name.clone(), Some(value.clone())))).collect()
+        let (before, after) = (base.by_name(), self.by_name());
+        let gone = before.into_keys().filter(|name| !after.contains_key(name)).map(|name| (name, None));
+        let new = after.iter().filter_map(|(name, field)| {
+            let value = self.value(field);
+            (value != base.value(field)).then(|| (name.clone(), value))
+        });
+        gone.chain(new).collect()
     }
 
-    /// Stages of the renderer to rebuild if `base` is prepared. Values of parameters only change the picture.
-    pub fn changes(&self, base: &Scene) -> Vec<Changes> {
-        let of = |name: &str| match setting(name) {
-            Some(setting) => setting.changes,
-            None if name.split('.').rev().nth(1) == Some("parameters") => Changes::Picture,
-            None => Changes::Images,
-        };
-        self.difference(base).iter().map(|(name, _)| of(name)).collect()
+    /// Stages of the renderer that the differences from another scene concern. Values of parameters only change the picture.
+    pub fn changes(&self, other: &Scene) -> ChangeSet {
+        Node::changes(self, other, None)
     }
 }
 
@@ -92,6 +137,8 @@ pub(super) fn flatten(prefix: &str, table: Table, fields: &mut Vec<(String, Valu
 
 #[cfg(test)]
 mod tests {
+    use super::*;
+    use crate::scene::schema::Changes;
     use crate::scene::{Color, preset};
 
     #[test]
@@ -109,6 +156,54 @@ mod tests {
         }
         assert!(scene.camera.clip.is_none() && scene.combine.is_none() && scene.parts.is_empty());
         assert_eq!(scene.quality.samples, 256);
+    }
+
+    #[test]
+    fn typed_fields_are_those_of_the_file() {
+        let mut scene = preset("fur").unwrap();
+        scene.set_field("parts.b.transform.at", "[1, 2, 0.5]").unwrap();
+        scene.set_field("animation.camera.pan", "['time', '0']").unwrap();
+        scene.set_field("modules.dmf/own", "own.glsl").unwrap();
+        scene.set_field("parts.b.parameters.fineness", "3").unwrap();
+        let mut read = Vec::new();
+        flatten("", Table::try_from(&scene).unwrap(), &mut read);
+        assert_eq!(scene.fields(), read);
+        let mut other = Scene::default();
+        for (name, value) in scene.fields() {
+            let field = FieldId::named(&name).unwrap();
+            assert_eq!((field.to_string(), scene.value(&field)), (name.clone(), Some(value.clone())));
+            assert_eq!(field.setting().map(|own| own.name), setting(&name).map(|own| own.name));
+            other.insert(&name, Some(value)).unwrap();
+        }
+        assert_eq!(other, scene);
+        assert!(
+            ["camera", "camera.", "camera.x", "parts.b", "parts.b.camera.zoom", "animation.about", ""]
+                .into_iter()
+                .all(|name| FieldId::named(name).is_none())
+        );
+    }
+
+    #[test]
+    fn changes_are_those_of_the_settings() {
+        let scene = preset("fur").unwrap();
+        for (field, value, expected) in [
+            ("object.resolution", "17", &[Changes::Field][..]),
+            ("effect.octaves", "3", &[Changes::Images]),
+            ("quality.target", "unorm8", &[Changes::Targets]),
+            ("image.size", "[3, 4]", &[Changes::Size]),
+            ("camera.azimuth", "3", &[Changes::View]),
+            ("parameters.fineness", "3", &[Changes::Picture]),
+            ("modules.dmf/own", "own.glsl", &[Changes::Images]),
+            ("parts.b.hidden", "true", &[Changes::Field, Changes::Images, Changes::Picture]),
+            ("camera.azimuth", "30", &[]),
+        ] {
+            let mut other = scene.clone();
+            (other.camera.azimuth, other.object.resolution) = (30.0, 16);
+            let base = other.clone();
+            other.set_field(field, value).unwrap();
+            assert_eq!(other.changes(&base), ChangeSet::of(expected), "{field}");
+            assert_eq!(base.changes(&other), ChangeSet::of(expected), "{field}");
+        }
     }
 
     #[test]

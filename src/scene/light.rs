@@ -6,9 +6,9 @@ use super::{Color, Order, Pass, Proxy, Scene, SceneError};
 
 settings! {
     /// A point light that moves with the camera (MJ 3.2).
-    pub struct Light = "light." {
+    pub struct Light: LightField = "light." {
         /// Position from the center of the object: right, up, toward the camera; object units.
-        position: [f32; 3] = [-3.0, 4.0, 5.0] => Picture, numbers(3, -1e6, 1e6), usual(-10.0, 10.0), flag("light");
+        position: [f32; 3] = [-3.0, 4.0, 5.0] => View, numbers(3, -1e6, 1e6), usual(-10.0, 10.0), flag("light");
         /// Color of the light.
         color: Color = Color([255; 3]) => Picture, Kind::Color;
         /// Brightness of the light.

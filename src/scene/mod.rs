@@ -33,28 +33,29 @@ mod strategy;
 mod transfer;
 
 pub(crate) use animation::Looped;
-pub use animation::{Animation, Ease, Key, Track, is_movable};
+pub use animation::{Animation, AnimationField, Ease, Key, Track, is_movable};
 pub use axis::Axis;
-pub use camera::{Camera, Projection};
+pub use camera::{Camera, CameraField, Projection};
 pub use color::{Color, linear_to_srgb, srgb_to_linear};
 pub use command::{option_text, value_text};
-pub use document::{Boolean, Material, ParameterValue, Picture, Scene};
-pub use effect::{Effect, RayPath};
+pub use document::{Boolean, FieldId, Material, MaterialField, ParameterValue, Picture, PictureField, Scene};
+pub use effect::{Effect, EffectField, RayPath};
 pub use error::SceneError;
 pub use field::parse_value;
 #[cfg(feature = "window")]
 pub use file::MAX_BYTES;
 pub use file::{load, parse, to_text};
-pub use light::{Light, LightMethod};
+pub use light::{Light, LightField, LightMethod};
 pub(crate) use loops::SHADOW_SAMPLES;
-pub use object::{FORMULAS, FieldEncoding, GLSL, Object, Storage};
+pub use object::{FORMULAS, FieldEncoding, GLSL, Object, ObjectField, Storage};
 pub use parameters::{LOOP_SECONDS, Parameters, Spread};
-pub use part::{Part, Transform};
+pub use part::{Part, PartField, Transform, TransformField};
 pub use preset_texts::names;
 pub use presets::{EFFECTS, nearest_preset, preset};
 pub use quality::{
-    BlockFormat, EmptySpace, Filter, Integration, Jitter, Order, Pass, Proxy, Quality, ShaderStage, TargetFormat, Wrap,
+    BlockFormat, EmptySpace, Filter, Integration, Jitter, Order, Pass, Proxy, Quality, QualityField, ShaderStage,
+    TargetFormat, Wrap,
 };
 pub use reach::Reach;
 pub use strategy::Repeat;
-pub use transfer::{Curve, Stop, Transfer};
+pub use transfer::{Curve, Stop, Transfer, TransferField};

@@ -2,11 +2,11 @@
 
 use super::Axis;
 use super::schema::Changes;
-use super::setting::{choices, settings};
+use super::setting::{Node, choices, settings};
 
 settings! {
     /// The object of a scene.
-    pub struct Object = "object." {
+    pub struct Object: ObjectField = "object." {
         /// A built-in name (sphere, cube, torus, teapot, knot, ...), or the path of a mesh, a scalar volume or a distance field.
         input: String = "teapot".into() => Field, Kind::Text;
         /// The grid of an OpenVDB file with several. By default density, else the first level set or fog volume.
@@ -88,11 +88,12 @@ impl Object {
 
     /// The object with the settings that determine its field; the others have their defaults.
     pub fn without_look(&self) -> Object {
-        let mut fields = toml::Table::try_from(self).expect("an object holds nothing that TOML cannot hold");
-        let is_of_field = |field: &str| {
-            Object::SETTINGS.iter().any(|setting| setting.field() == field && setting.changes == Changes::Field)
-        };
-        fields.retain(|field, _| is_of_field(field));
-        fields.try_into().expect("every field of an object has a default")
+        let mut own = self.clone();
+        self.each(&mut |id| {
+            if Object::setting(&id).is_none_or(|setting| setting.changes != Changes::Field) {
+                own.set(&id, None, Object::default).expect("every field of an object has a default");
+            }
+        });
+        own
     }
 }

@@ -1,55 +1,103 @@
 //! Additional objects of a scene, each with its own effect, and their combination.
 
-use super::schema::{self, Changes, Filled, Kind, Setting};
-use super::setting::settings;
+use super::schema::{self, ChangeSet, Changes, Filled, Setting};
+use super::setting::{Node, push_name, settings};
 use super::{Effect, Integration, Material, Object, ParameterValue, Scene, SceneError, Storage, Transfer};
 use crate::shader::slots::{FORMULA, MAIN};
 use crate::shader::{Formula, FormulaError, Library, Slots};
 use glam::{EulerRot, Mat4, Quat, Vec3};
-use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use toml::Value;
 
 /// Most additional objects. Higher: some devices cannot bind enough images.
 const MAX_PARTS: usize = 4;
 
-/// An additional object of a scene.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Part {
-    /// Preset for effect, parameters, material and transfer map; the fields of the part override it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub preset: Option<String>,
-    /// The object.
-    pub object: Object,
-    /// The modules of its effect. Noise, turbulence and opacity are those of the scene.
-    pub effect: Effect,
-    /// Parameters of those modules, by name.
-    pub parameters: BTreeMap<String, ParameterValue>,
-    /// Reflection of its hard surface.
-    pub material: Material,
-    /// Color and opacity by density.
-    pub transfer: Transfer,
-    /// Its placement.
-    pub transform: Transform,
-    /// Whether it is left out of the picture and of its program.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    pub hidden: bool,
+settings! {
+    /// An additional object of a scene.
+    pub struct Part: PartField = "" {
+        /// Preset for effect, parameters, material and transfer map; the fields of the part override it.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        preset: Option<String> = None;
+        /// The object.
+        object: Object = Object::default();
+        /// The modules of its effect. Noise, turbulence and opacity are those of the scene.
+        effect: Effect = Effect::default();
+        /// Parameters of those modules, by name.
+        parameters: BTreeMap<String, ParameterValue> = BTreeMap::new();
+        /// Reflection of its hard surface.
+        material: Material = Material::default();
+        /// Color and opacity by density.
+        transfer: Transfer = Transfer::default();
+        /// Its placement.
+        transform: Transform = Transform::default();
+        /// Whether an additional object is left out of the picture and of its program.
+        #[serde(skip_serializing_if = "std::ops::Not::not")]
+        hidden: bool = false => Images, Kind::Switch;
+    }
 }
 
-impl Part {
-    /// The settings that only additional objects have, besides [`Transform::SETTINGS`].
-    pub const SETTINGS: &[Setting] = &[Setting::new(
-        "hidden",
-        "Whether an additional object is left out of the picture and of its program.",
-        Changes::Images,
-        Kind::Switch,
-    )];
+/// The additional objects, by name.
+impl Node for BTreeMap<String, Part> {
+    type Id = (String, PartField);
+
+    fn find(name: &str) -> Option<(String, PartField)> {
+        let (part, below) = name.split_once('.')?;
+        Some((part.into(), Part::find(below)?))
+    }
+
+    fn write_name((part, below): &(String, PartField), name: &mut String) {
+        push_name(name, part);
+        Part::write_name(below, name);
+    }
+
+    fn setting((_, below): &(String, PartField)) -> Option<&'static Setting> {
+        Part::setting(below)
+    }
+
+    fn each(&self, on: &mut dyn FnMut((String, PartField))) {
+        for (name, part) in self {
+            part.each(&mut |below| {
+                // A file says it of hidden objects alone.
+                if part.hidden || below != PartField::hidden(()) {
+                    on((name.clone(), below));
+                }
+            });
+        }
+    }
+
+    fn get(&self, (part, below): &(String, PartField)) -> Option<Value> {
+        Node::get(BTreeMap::get(self, part)?, below)
+    }
+
+    fn set(
+        &mut self,
+        (name, below): &(String, PartField),
+        value: Option<&Value>,
+        _: fn() -> Self,
+    ) -> Result<(), toml::de::Error> {
+        let mut part = BTreeMap::get(self, name).cloned().unwrap_or_default();
+        part.set(below, value, Part::default)?;
+        self.insert(name.clone(), part);
+        Ok(())
+    }
+
+    fn changes(&self, other: &Self, _: Option<&Setting>) -> ChangeSet {
+        if !self.keys().eq(other.keys()) {
+            return ChangeSet::of(&[Changes::Field, Changes::Images, Changes::Picture]);
+        }
+        let pairs = self.values().zip(other.values());
+        pairs.fold(ChangeSet::default(), |all, (own, other)| all.with(own.changes(other, None)))
+    }
+
+    fn is_valid(&self, _: Option<&Setting>) -> bool {
+        self.values().all(|part| part.transform.is_valid(None)) // `Scene::check_parts` checks the rest
+    }
 }
 
 settings! {
     /// Placement of an additional object: scale, then rotations about x, y and z, then translation.
     #[derive(Copy)]
-    pub struct Transform = "transform." {
+    pub struct Transform: TransformField = "transform." {
         /// Position of the center of an additional object in object space of the scene.
         at: [f32; 3] = [0.0; 3] => Images, numbers(3, -100.0, 100.0), usual(-2.0, 2.0);
         /// Degrees about x, y and z.

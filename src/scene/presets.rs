@@ -17,7 +17,6 @@ pub fn preset(name: &str) -> Result<Scene, SceneError> {
 /// The preset with the fewest differences from a scene, with the input and additional objects of the scene. The base for
 /// lists of changed settings.
 pub fn nearest_preset(scene: &Scene) -> Scene {
-    let fields = scene.fields();
     let over = |name: &str| -> Option<Scene> {
         let mut base = preset(name).ok()?;
         base.replace_object(&scene.object.input);
@@ -25,10 +24,7 @@ pub fn nearest_preset(scene: &Scene) -> Scene {
         base.combine.clone_from(&scene.combine);
         Some(base)
     };
-    let differ = |base: &Scene| {
-        let own = base.fields();
-        fields.iter().filter(|field| !own.contains(field)).count()
-    };
+    let differ = |base: &Scene| scene.difference(base).iter().filter(|(_, value)| value.is_some()).count();
     names().filter_map(over).min_by_key(differ).unwrap_or_default()
 }
 

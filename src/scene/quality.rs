@@ -4,7 +4,7 @@ use super::setting::{choices, settings};
 
 settings! {
     /// Accuracy against time.
-    pub struct Quality = "quality." {
+    pub struct Quality: QualityField = "quality." {
         /// Method of sampling: rays or slices.
         pass: Pass = Pass::March => Images, Kind::Choice(Pass::CHOICES), flag("pass");
         /// Slices, or samples of a ray, through the bounding sphere.
@@ -32,7 +32,7 @@ settings! {
         /// Phase of the steps along the ray of each pixel: noise in place of banding.
         jitter: Jitter = Jitter::None => Images, Kind::Choice(Jitter::CHOICES), flag_alone("jitter", "hash");
         /// Seed of the phases.
-        seed: u32 = 0 => Picture, whole(0.0, 16_777_215.0), usual(0.0, 1000.0), flag("seed");
+        seed: u32 = 0 => View, whole(0.0, 16_777_215.0), usual(0.0, 1000.0), flag("seed");
         /// Pictures whose mean is the result; each has its own position in the pixel, phase and time.
         supersampling: u32 = 1 => Picture, whole(1.0, 256.0), flag("supersampling");
         /// Interpolation between the texels of volumes, blocks and tables; anisotropic filters are those of the device.

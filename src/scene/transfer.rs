@@ -1,12 +1,12 @@
 //! The transfer map of a scene.
 
 use super::Color;
-use super::setting::{choices, settings};
+use super::setting::{Leaf, choices, settings};
 use serde::{Deserialize, Serialize};
 
 settings! {
     /// The transfer map: color and opacity by density.
-    pub struct Transfer = "transfer." {
+    pub struct Transfer: TransferField = "transfer." {
         /// Interpolation between two stops of the transfer map.
         curve: Curve = Curve::Linear => Images, Kind::Choice(Curve::CHOICES);
         /// Stops of the transfer map in the order of their density, 1 to 256: color, density and index of refraction.
@@ -49,6 +49,8 @@ pub struct Stop {
     #[serde(default = "one")]
     pub index: f32,
 }
+
+impl Leaf for Vec<Stop> {}
 
 impl Stop {
     fn of(at: f32, color: [u8; 3]) -> Stop {

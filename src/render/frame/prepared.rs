@@ -62,6 +62,16 @@ fn is_cut(destination: Destination, scene: &Scene) -> bool {
     destination == Destination::Frame && scene.quality.pass == Pass::Slices
 }
 
+/// Slots of a variant with their modules.
+fn modules(variant: &Variant) -> impl Iterator<Item = (&String, &Vec<String>)> {
+    variant.slots.iter().filter(|(slot, _)| *slot != FOLDED)
+}
+
+/// Parameters of a variant that are folded to 0.
+fn zeros(variant: &Variant) -> &[String] {
+    variant.slots.get(FOLDED).map_or(&[], Vec::as_slice)
+}
+
 /// A scene with program, pipelines, images and targets.
 pub(crate) struct Prepared {
     pub(super) gpu: Gpu,
@@ -173,11 +183,8 @@ impl Prepared {
 
     /// Whether this serves another scene: one that differs only in per-picture values or in size.
     pub(crate) fn fits(&self, variant: &Variant, destination: Destination) -> bool {
-        let mut alike = variant.scene.clone();
-        alike.image.size = self.variant.scene.image.size;
-        self.destination.serves(destination)
-            && !alike.changes(&self.variant.scene).contains(&Changes::Targets)
-            && self.has_same_inputs(variant)
+        let changes = variant.scene.changes(&self.variant.scene);
+        self.destination.serves(destination) && !changes.has_any(&[Changes::Targets]) && self.has_same_inputs(variant)
     }
 
     /// Resizes the targets to those of a scene that fits.
@@ -215,25 +222,26 @@ impl Prepared {
         // Some images depend on the step.
         let by_step =
             [ObjectImage::Segment, ObjectImage::Bricks].into_iter().any(|image| self.program.reads_image(image));
-        let reach = |variant: &Variant| {
-            let all = [&variant.parameters].into_iter().chain(variant.parts.values());
-            all.map(|parameters| (parameters.outer_iso(), parameters.spread(1.0))).collect::<Vec<_>>()
+        let same_reach = || {
+            let [wanted, own] = [variant, &self.variant].map(|variant| {
+                let all = [&variant.parameters].into_iter().chain(variant.parts.values());
+                all.map(|parameters| (parameters.outer_iso(), parameters.spread(1.0)))
+            });
+            wanted.eq(own)
         };
-        let changes = scene.changes(own);
-        let same_settings = !changes.contains(&Changes::Field) && !changes.contains(&Changes::Images);
+        let same_settings = !scene.changes(own).has_any(&[Changes::Field, Changes::Images]);
         let same_step = !by_step || scene.quality.samples == own.quality.samples;
         let same_tables = !self.bound.holds_parameters || scene.parameters == own.parameters;
-        same_settings && same_step && same_tables && self.serves(variant) && reach(variant) == reach(&self.variant)
+        same_settings && same_step && same_tables && self.serves(variant) && same_reach()
     }
 
     /// Whether the program serves a variant. Every parameter folded to 0 here must be 0 there. More zeros are fine:
     /// relinking would stall a slider.
     pub(crate) fn serves(&self, variant: &Variant) -> bool {
-        let [own, wanted] = [&self.variant, variant].map(|variant| {
-            let modules = variant.slots.iter().filter(|(slot, _)| *slot != FOLDED);
-            (variant.entries, modules.collect::<Vec<_>>(), variant.slots.get(FOLDED).map_or(&[][..], Vec::as_slice))
-        });
-        own.0 == wanted.0 && own.1 == wanted.1 && own.2.iter().all(|zero| wanted.2.contains(zero))
+        let [own, wanted] = [&self.variant, variant];
+        own.entries == wanted.entries
+            && modules(own).eq(modules(wanted))
+            && zeros(own).iter().all(|zero| zeros(wanted).contains(zero))
     }
 
     /// Slots of the program. A variant that it serves may fold further terms.

@@ -222,7 +222,7 @@ impl Portable {
         }
         let motion = moments(&whole).map(|(seconds, times)| -> Result<PortableMotion, RenderError> {
             let is_still = |field: &&String| match setting(field) {
-                Some(setting) => setting.changes != Changes::Picture,
+                Some(setting) => !matches!(setting.changes, Changes::Picture | Changes::View),
                 None => inputs.holds_parameters,
             };
             let still: Vec<String> = whole.animation.tracks.keys().filter(is_still).cloned().collect();

@@ -11,10 +11,11 @@ pub use keys::{Ease, Key};
 pub(crate) use repeat::Looped;
 pub use track::Track;
 
-use super::schema::{self, Changes, Kind, Setting, setting};
-use super::setting::number;
+use super::schema::{self, ChangeSet, Changes, Kind, Setting, setting};
+use super::setting::{Leaf, Node, number, push_name};
 use super::{ParameterValue, Scene, SceneError};
 use crate::shader::Declarations;
+use serde::de::Error;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -84,14 +85,22 @@ impl TryFrom<Table> for Animation {
     type Error = String;
 
     fn try_from(mut table: Table) -> Result<Animation, String> {
-        let mut animation = Animation::default();
-        if let Some(value) = table.remove(LOOP) {
-            let is_number = value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64));
-            animation.period = Some(is_number.ok_or_else(|| format!("{TABLE}.{LOOP} is a number of seconds"))?);
-        }
+        let period = table.remove(LOOP).map(|value| read_period(&value)).transpose()?;
+        let mut animation = Animation { period, tracks: BTreeMap::new() };
         table.into_iter().try_for_each(|(name, value)| read(name, value, &mut animation.tracks))?;
         Ok(animation)
     }
+}
+
+/// Reads the length of a loop.
+fn read_period(value: &Value) -> Result<f64, String> {
+    let number = value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64));
+    number.ok_or_else(|| format!("{TABLE}.{LOOP} is a number of seconds"))
+}
+
+/// Reads the track of a field.
+fn read_track(field: &str, value: Value) -> Result<Track, String> {
+    Track::try_from(value).map_err(|reason| format!("{TABLE}.{field}: {reason}"))
 }
 
 /// Reads the tracks in a table, or that of a field.
@@ -101,7 +110,7 @@ fn read(name: String, value: Value, tracks: &mut BTreeMap<String, Track>) -> Res
             below.into_iter().try_for_each(|(field, value)| read(format!("{name}.{field}"), value, tracks))
         }
         value => {
-            let track = Track::try_from(value).map_err(|reason| format!("{TABLE}.{name}: {reason}"))?;
+            let track = read_track(&name, value)?;
             tracks.insert(name, track);
             Ok(())
         }
@@ -129,6 +138,71 @@ fn insert(whole: &mut Table, path: &str, value: Value) {
                 insert(below, rest, value);
             }
         }
+    }
+}
+
+/// Identity of a field of [`Animation`].
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum AnimationField {
+    /// Seconds after which all motion begins anew.
+    Loop,
+    /// The track of a field with this name.
+    Track(String),
+}
+
+impl Node for Animation {
+    type Id = AnimationField;
+
+    fn find(name: &str) -> Option<AnimationField> {
+        match name {
+            LOOP => Some(AnimationField::Loop),
+            field => is_movable(field).then(|| AnimationField::Track(field.into())),
+        }
+    }
+
+    fn write_name(id: &AnimationField, name: &mut String) {
+        match id {
+            AnimationField::Loop => push_name(name, LOOP),
+            AnimationField::Track(field) => push_name(name, field),
+        }
+    }
+
+    fn setting(id: &AnimationField) -> Option<&'static Setting> {
+        (*id == AnimationField::Loop).then_some(&Animation::SETTINGS[0])
+    }
+
+    fn each(&self, on: &mut dyn FnMut(AnimationField)) {
+        self.period.iter().for_each(|_| on(AnimationField::Loop));
+        self.tracks.keys().for_each(|field| on(AnimationField::Track(field.clone())));
+    }
+
+    fn get(&self, id: &AnimationField) -> Option<Value> {
+        match id {
+            AnimationField::Loop => self.period.map(Value::from),
+            AnimationField::Track(field) => self.tracks.get(field).cloned().map(Value::from),
+        }
+    }
+
+    fn set(&mut self, id: &AnimationField, value: Option<&Value>, _: fn() -> Animation) -> Result<(), toml::de::Error> {
+        match (id, value) {
+            (AnimationField::Loop, value) => {
+                self.period = value.map(read_period).transpose().map_err(toml::de::Error::custom)?;
+            }
+            (AnimationField::Track(field), Some(value)) => {
+                let track = read_track(field, value.clone()).map_err(toml::de::Error::custom)?;
+                self.tracks.insert(field.clone(), track);
+            }
+            (AnimationField::Track(field), None) => drop(self.tracks.remove(field)),
+        }
+        Ok(())
+    }
+
+    fn changes(&self, other: &Animation, _: Option<&Setting>) -> ChangeSet {
+        if self == other { ChangeSet::default() } else { ChangeSet::of(&[Changes::Images]) }
+    }
+
+    fn is_valid(&self, _: Option<&Setting>) -> bool {
+        self.period.is_none_or(|period| period.is_allowed(&Animation::SETTINGS[0].kind))
     }
 }
 
@@ -170,8 +244,6 @@ impl Scene {
         let mut still = self.clone();
         still.animation.tracks.clear();
         still.camera.time = time;
-        let wrong = |limit: String| SceneError::value(TABLE, "", limit);
-        let mut whole = Table::try_from(&still).map_err(|error| wrong(error.to_string()))?;
         for (field, track) in tracks {
             let name = format!("{TABLE}.{field}");
             let found = setting(field);
@@ -185,10 +257,9 @@ impl Scene {
             }
             let check = found.map_or(Ok(()), |setting| setting.check(&name, &value));
             check.map_err(|error| at_time(error, time))?;
-            insert(&mut whole, field, value);
+            still.insert(field, Some(value)).map_err(|limit| SceneError::value(TABLE, "", limit))?;
         }
-        let moved: Scene = whole.try_into().map_err(|error| wrong(super::error::reason(&error)))?;
-        Ok(Cow::Owned(moved))
+        Ok(Cow::Owned(still))
     }
 
     /// Keyed setting whose motion replaces that of a turntable, if any.

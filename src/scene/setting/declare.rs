@@ -1,10 +1,10 @@
 //! Macros that declare the tables of a scene file, so that each setting stands in one place.
 
-/// Declares a table of a scene file: the struct, its default values, and its settings, whose descriptions are the doc
-/// comments of the fields. A field is `name: type = default => changes, kind, options;`, or `name: type = default;` where it
-/// is a table of its own.
+/// Declares a table of a scene file: the struct, its default values, the identities of its fields, and its settings, whose
+/// descriptions are the doc comments of the fields. A field is `name: type = default => changes, kind, options;`, or
+/// `name: type = default;` where it is no setting: a table of its own, for example.
 macro_rules! settings {
-    ($(#[$attribute:meta])* pub struct $table:ident = $prefix:literal { $(
+    ($(#[$attribute:meta])* pub struct $table:ident: $id:ident = $prefix:literal { $(
         #[doc = $doc:literal]
         $(#[serde($serde:meta)])?
         $field:ident: $type:ty = $default:expr
@@ -25,16 +25,83 @@ macro_rules! settings {
             }
         }
 
-        impl $table {
-            /// The settings of this table.
-            pub const SETTINGS: &[$crate::scene::setting::Setting] = {
-                use $crate::scene::setting::*;
-                &[$($(
-                    Setting::new(concat!($prefix, stringify!($field)), $doc, Changes::$changes, $kind)
-                        $(.$option($($argument),*))*,
-                )?)+]
-            };
-        }
+        #[doc = concat!("Identity of a field of [`", stringify!($table), "`], with that of a field below it.")]
+        #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+        #[allow(non_camel_case_types, reason = "the names are those of the fields")]
+        pub enum $id { $(
+            #[doc = $doc]
+            $field(<$type as $crate::scene::setting::Node>::Id),
+        )+ }
+
+        const _: () = {
+            use $crate::scene::setting::*;
+            use toml::Value;
+
+            /// The setting of each field that is one.
+            struct Own { $($field: Option<Setting>),+ }
+
+            const OWN: Own = Own { $($field: only(&[$(
+                Setting::new(concat!($prefix, stringify!($field)), $doc, Changes::$changes, $kind)
+                    $(.$option($($argument),*))*
+            )?])),+ };
+
+            static TABLE: Own = OWN;
+
+            impl $table {
+                /// The settings of this table.
+                pub const SETTINGS: &[Setting] = &[$($(of(OWN.$field, Changes::$changes),)?)+];
+            }
+
+            impl Node for $table {
+                type Id = $id;
+
+                fn find(name: &str) -> Option<$id> {
+                    let (own, below) = name.split_once('.').unwrap_or((name, ""));
+                    match own {
+                        $(stringify!($field) => <$type as Node>::find(below).map($id::$field),)+
+                        _ => None,
+                    }
+                }
+
+                fn write_name(id: &$id, name: &mut String) {
+                    match id { $(
+                        $id::$field(below) => {
+                            push_name(name, stringify!($field));
+                            <$type as Node>::write_name(below, name);
+                        }
+                    )+ }
+                }
+
+                fn setting(id: &$id) -> Option<&'static Setting> {
+                    match id { $(
+                        $id::$field(below) => TABLE.$field.as_ref().or_else(|| <$type as Node>::setting(below)),
+                    )+ }
+                }
+
+                fn each(&self, on: &mut dyn FnMut($id)) {
+                    $(<$type as Node>::each(&self.$field, &mut |below| on($id::$field(below)));)+
+                }
+
+                fn get(&self, id: &$id) -> Option<Value> {
+                    match id { $($id::$field(below) => <$type as Node>::get(&self.$field, below),)+ }
+                }
+
+                fn set(&mut self, id: &$id, value: Option<&Value>, _: fn() -> $table) -> Result<(), toml::de::Error> {
+                    match id { $(
+                        $id::$field(below) => <$type as Node>::set(&mut self.$field, below, value, || $default),
+                    )+ }
+                }
+
+                fn changes(&self, other: &$table, _: Option<&Setting>) -> ChangeSet {
+                    ChangeSet::default()
+                        $(.with(<$type as Node>::changes(&self.$field, &other.$field, TABLE.$field.as_ref())))+
+                }
+
+                fn is_valid(&self, _: Option<&Setting>) -> bool {
+                    true $(&& <$type as Node>::is_valid(&self.$field, TABLE.$field.as_ref()))+
+                }
+            }
+        };
     };
 }
 
@@ -64,6 +131,8 @@ macro_rules! choices {
                 match self { $($enum::$variant => $name),+ }
             }
         }
+
+        impl $crate::scene::setting::Leaf for $enum {}
     };
 }
 

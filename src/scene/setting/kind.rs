@@ -75,7 +75,7 @@ pub struct Flag {
     pub alone: Option<&'static str>,
 }
 
-/// First stage of the renderer that a change of a setting rebuilds; the later ones follow.
+/// First stage of the renderer that a change of a setting rebuilds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Changes {
     /// The distance field of the object.
@@ -86,6 +86,41 @@ pub enum Changes {
     Targets,
     /// The picture; also the program, if the setting chooses a module.
     Picture,
+    /// The size of the render targets.
+    Size,
+    /// The picture alone: its program is the same.
+    View,
+}
+
+/// Stages that the differences of two scenes concern.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ChangeSet(u8);
+
+impl ChangeSet {
+    /// A set of these.
+    pub fn of(all: &[Changes]) -> ChangeSet {
+        ChangeSet(all.iter().fold(0, |set, one| set | 1 << *one as u8))
+    }
+
+    /// With those of another set.
+    pub fn with(self, other: ChangeSet) -> ChangeSet {
+        ChangeSet(self.0 | other.0)
+    }
+
+    /// Whether nothing differs.
+    pub fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// Whether one of these is in the set.
+    pub fn has_any(self, some: &[Changes]) -> bool {
+        self.0 & ChangeSet::of(some).0 != 0
+    }
+
+    /// Whether nothing but these is in the set.
+    pub fn is_within(self, all: &[Changes]) -> bool {
+        self.0 & !ChangeSet::of(all).0 == 0
+    }
 }
 
 /// A number from `low` to `high`.
