@@ -14,7 +14,7 @@ use bench::Spread;
 use hypertexture::eval::{Affine, BoundProgram, Evaluate, Interval, Invocations};
 use hypertexture::render::variant::Variant;
 use hypertexture::scene;
-use hypertexture::shader;
+use hypertexture::shader::{self, Slots};
 use probe::Probe;
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -46,7 +46,7 @@ fn main() {
     for name in ["lit", "solid", "fur", "fire", "melting", "noisy_sphere", "smoke", "woven", "ensemble"] {
         let scene = scene::preset(name).unwrap();
         let mut slots = scene.slots(&library);
-        slots.extend(Variant::of(&scene, &library).unwrap().slots);
+        slots.extend(Slots::clone(&Variant::of(&scene, &library).unwrap().slots));
         let text = include_str!("../tests/glsl/exact_point.glsl");
         let probe = Probe::new(&library, text, &slots, "classify", true).unwrap();
         let program = probe.program();

@@ -2,7 +2,7 @@
 
 use super::header::{declaring, header};
 use super::loops::{BENDING_LOOPS, BENDING_STEPS, LOOP_BUDGET, SHADOW_SAMPLES};
-use super::schema::setting;
+use super::schema::{Changes, setting};
 use super::setting::Node;
 use super::{Integration, Jitter, Object, Parameters, Pass, RayPath, Repeat, Scene, SceneError, Storage};
 use crate::shader::declare::Outside;
@@ -11,6 +11,7 @@ use crate::shader::slots::{FORMULA, NONE};
 use crate::shader::{Declarations, Slots};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 impl Scene {
     /// Checks all values, modules and parameters, and returns the values of the parameters.
@@ -28,10 +29,31 @@ impl Scene {
     pub(crate) fn checked_moment(&self, library: &Library) -> Result<(Cow<'_, Scene>, Parameters), SceneError> {
         self.check_names()?;
         let moment = self.moment()?;
-        let declared = moment.check_still(library)?;
+        let declared = Arc::new(moment.check_still(library)?);
         self.check_keys_of_parameters(&declared)?;
         let parameters = moment.parameters(&declared)?.in_loop(moment.looped(library));
         Ok((moment, parameters))
+    }
+
+    /// The scene at its time as by [`Scene::checked_moment`], if it differs in the view alone from a checked moment with these
+    /// parameters.
+    ///
+    /// # Errors
+    /// Those of [`Scene::check`].
+    pub(crate) fn same_but_view(
+        &self,
+        checked: &Scene,
+        parameters: &Parameters,
+    ) -> Result<Option<Cow<'_, Scene>>, SceneError> {
+        self.check_names()?;
+        let moment = self.moment()?;
+        if !moment.changes(checked).is_within(&[Changes::View, Changes::Size]) {
+            return Ok(None);
+        }
+        moment.check_values()?;
+        moment.check_camera()?;
+        self.check_keys_of_parameters(parameters.declared())?;
+        Ok(Some(moment))
     }
 
     /// Checks a scene without tracks, and returns the declarations of its modules.
@@ -64,7 +86,8 @@ impl Scene {
             own.check_look(library)?;
             own.check_transfer()?;
             own.check_layers(library)?;
-            Ok(own.parameters(&library.object_declarations(name, &slots)?)?.in_loop(self.looped(library)))
+            let declared = Arc::new(library.object_declarations(name, &slots)?);
+            Ok(own.parameters(&declared)?.in_loop(self.looped(library)))
         };
         let within = |name: &String, error| SceneError::Part(name.clone(), Box::new(error));
         let checked =

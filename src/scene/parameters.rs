@@ -6,15 +6,14 @@ use crate::shader::declare::{Parameter, ParameterKind};
 use crate::shader::drift::Drift;
 use crate::shader::reach::{GIVEN, NOISE_BOUND};
 use crate::shader::{Declarations, Reach, Sides};
+use std::sync::Arc;
 
 /// Declared parameters with their values in a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameters {
-    declared: Vec<(Parameter, ParameterValue)>,
-    outer: Vec<String>,
-    reach: Vec<Reach>,
-    drifts: Vec<Drift>,
-    noise_bound: f32,
+    declared: Arc<Declarations>,
+    /// The value of each parameter that is declared.
+    values: Vec<ParameterValue>,
     looped: Option<Looped>,
 }
 
@@ -44,17 +43,22 @@ const WIND_PERIOD: &str = "wind_period";
 impl Parameters {
     /// Every parameter with its value, in the order of the modules.
     pub fn iter(&self) -> impl Iterator<Item = (&Parameter, &ParameterValue)> {
-        self.declared.iter().map(|(parameter, value)| (parameter, value))
+        self.declared.parameters.iter().zip(&self.values)
+    }
+
+    /// The declarations of the modules.
+    pub(super) fn declared(&self) -> &Declarations {
+        &self.declared
     }
 
     /// Signed distance at which the soft region starts, if a module declares it; the largest of several. Object units.
     pub fn outer_iso(&self) -> Option<f32> {
-        self.outer.iter().map(|name| self.number(name)).reduce(f32::max)
+        self.outer().iter().map(|name| self.number(name)).reduce(f32::max)
     }
 
     /// Names of the parameters that set it.
     pub fn outer(&self) -> &[String] {
-        &self.outer
+        &self.declared.outer
     }
 
     /// Displacements and growth around a soft region of this radius.
@@ -64,11 +68,11 @@ impl Parameters {
     pub fn spread(&self, radius: f32) -> Spread {
         type Of = fn(&Reach, &dyn Fn(&str) -> f32) -> Sides;
         let all = |hold: f32, of: Of| {
-            let given = [hold, self.noise_bound];
+            let given = [hold, self.declared.noise_bound.unwrap_or(NOISE_BOUND)];
             let value = |name: &str| {
                 GIVEN.iter().zip(given).find(|(given, _)| **given == name).map_or_else(|| self.number(name), |(_, v)| v)
             };
-            self.reach.iter().map(|reach| of(reach, &value)).fold(Sides::default(), Sides::plus)
+            self.declared.reach.iter().map(|reach| of(reach, &value)).fold(Sides::default(), Sides::plus)
         };
         let bare = all(0.0, Reach::grows);
         let start = radius + bare.farthest();
@@ -88,7 +92,7 @@ impl Parameters {
             Some(looped) => looped.speed(drift, value),
             None => drift.wrapped(time, value),
         };
-        self.drifts.iter().filter_map(move |drift| Some((drift.speed.as_str(), held(drift)?)))
+        self.declared.drifts.iter().filter_map(move |drift| Some((drift.speed.as_str(), held(drift)?)))
     }
 
     /// Length of the loop, and whether noise has two phases in it.
@@ -98,7 +102,7 @@ impl Parameters {
 
     /// The parameters in the loop of a scene, if it has one.
     pub(super) fn in_loop(mut self, looped: Option<Looped>) -> Parameters {
-        for (parameter, value) in &mut self.declared {
+        for (parameter, value) in self.declared.parameters.iter().zip(&mut self.values) {
             let (Some(Looped { period, .. }), ParameterValue::Number(value)) = (&looped, value) else { continue };
             match parameter.name.as_str() {
                 LOOP_SECONDS => *value = *period as f32,
@@ -111,7 +115,7 @@ impl Parameters {
 
     /// Value of a parameter that is a number; 0 for any other.
     pub fn number(&self, name: &str) -> f32 {
-        let found = self.declared.iter().find(|(parameter, _)| parameter.name == name);
+        let found = self.iter().find(|(parameter, _)| parameter.name == name);
         match found.map(|(_, value)| value) {
             Some(ParameterValue::Number(value)) => *value,
             _ => 0.0,
@@ -120,38 +124,56 @@ impl Parameters {
 }
 
 impl Scene {
-    pub(super) fn parameters(&self, declarations: &Declarations) -> Result<Parameters, SceneError> {
-        let known: Vec<&str> = declarations.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
-        if let Some(name) = self.parameters.keys().find(|name| !known.contains(&name.as_str())) {
-            return Err(SceneError::unknown("parameter", name, &known));
+    pub(super) fn parameters(&self, declared: &Arc<Declarations>) -> Result<Parameters, SceneError> {
+        if let Some(name) = self.parameters.keys().find(|name| find(declared, name).is_none()) {
+            return Err(unknown(declared, name));
         }
-        let mut declared = Vec::new();
-        for parameter in &declarations.parameters {
-            let value = match (parameter.kind, self.parameters.get(&parameter.name)) {
-                (ParameterKind::Number(default, _), None) => ParameterValue::Number(default),
-                (ParameterKind::Color(default), None) => ParameterValue::Color(super::Color(default)),
-                (ParameterKind::Number(_, [low, high]), Some(ParameterValue::Number(value))) => {
-                    within(&format!("parameters.{}", parameter.name), *value, low, high)?;
-                    ParameterValue::Number(*value)
-                }
-                (ParameterKind::Color(_), Some(ParameterValue::Color(color))) => ParameterValue::Color(*color),
-                (default, Some(value)) => {
-                    let limit = match default {
-                        ParameterKind::Number(_, [low, high]) => format!("must be a number from {low} to {high}"),
-                        ParameterKind::Color(_) => "must be a color, #rrggbb".into(),
-                    };
-                    let value = match value {
-                        ParameterValue::Number(value) => value.to_string(),
-                        ParameterValue::Color(color) => String::from(*color),
-                    };
-                    return Err(SceneError::value(format!("parameters.{}", parameter.name), value, limit));
-                }
-            };
-            declared.push((parameter.clone(), value));
-        }
-        let noise_bound = declarations.noise_bound.unwrap_or(NOISE_BOUND);
-        let (outer, reach) = (declarations.outer.clone(), declarations.reach.clone());
-        let drifts = declarations.drifts.clone();
-        Ok(Parameters { declared, outer, reach, drifts, noise_bound, looped: None })
+        let value = |parameter: &Parameter| checked(parameter, self.parameters.get(&parameter.name));
+        let values = declared.parameters.iter().map(value).collect::<Result<_, SceneError>>()?;
+        Ok(Parameters { declared: declared.clone(), values, looped: None })
     }
+}
+
+/// The parameter of a name.
+fn find<'a>(declared: &'a Declarations, name: &str) -> Option<&'a Parameter> {
+    declared.parameters.iter().find(|parameter| parameter.name == name)
+}
+
+fn unknown(declared: &Declarations, name: &str) -> SceneError {
+    let known: Vec<&str> = declared.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
+    SceneError::unknown("parameter", name, &known)
+}
+
+/// Checks the value of a parameter.
+///
+/// # Errors
+/// No module declares the parameter, or it does not take the value.
+pub(super) fn check(declared: &Declarations, name: &str, value: &ParameterValue) -> Result<(), SceneError> {
+    checked(find(declared, name).ok_or_else(|| unknown(declared, name))?, Some(value)).map(drop)
+}
+
+/// The value of a parameter, its default without one.
+fn checked(parameter: &Parameter, value: Option<&ParameterValue>) -> Result<ParameterValue, SceneError> {
+    Ok(match (parameter.kind, value) {
+        (ParameterKind::Number(default, _), None) => ParameterValue::Number(default),
+        (ParameterKind::Color(default), None) => ParameterValue::Color(super::Color(default)),
+        (ParameterKind::Number(_, [low, high]), Some(ParameterValue::Number(value))) => {
+            if !(low..=high).contains(value) {
+                within(&format!("parameters.{}", parameter.name), *value, low, high)?;
+            }
+            ParameterValue::Number(*value)
+        }
+        (ParameterKind::Color(_), Some(ParameterValue::Color(color))) => ParameterValue::Color(*color),
+        (default, Some(value)) => {
+            let limit = match default {
+                ParameterKind::Number(_, [low, high]) => format!("must be a number from {low} to {high}"),
+                ParameterKind::Color(_) => "must be a color, #rrggbb".into(),
+            };
+            let value = match value {
+                ParameterValue::Number(value) => value.to_string(),
+                ParameterValue::Color(color) => String::from(*color),
+            };
+            return Err(SceneError::value(format!("parameters.{}", parameter.name), value, limit));
+        }
+    })
 }

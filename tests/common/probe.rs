@@ -47,7 +47,7 @@ impl Probe {
         let parameters =
             parameters.into_iter().map(|(name, parameter)| (name, parameter.kind)).collect::<BTreeMap<_, _>>();
         let any = Variant::of(&scene::preset("lit").unwrap(), &library).unwrap();
-        let variant = Variant { entries, slots, ..any };
+        let variant = Variant { entries, slots: slots.into(), ..any };
         let linked = variant.program(&library, Linker::new).unwrap_or_else(|error| panic!("{error}"));
         let bare = |name: &str| {
             let part = parts.iter().find_map(|part| name.strip_suffix(&format!("_{part}")));

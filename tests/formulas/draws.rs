@@ -326,7 +326,7 @@ fn each_drawn(library: &Library, mut on: impl FnMut(&str, &str, &Slots, &str)) {
     for (how, slot, text, preset) in direct.into_iter().chain(others) {
         let scene = scene::preset(preset).unwrap();
         let mut choice = scene.slots(library);
-        choice.extend(Variant::of(&scene, library).unwrap().slots);
+        choice.extend(Slots::clone(&Variant::of(&scene, library).unwrap().slots));
         choice.insert("ray_path".into(), vec!["curved".into()]); // the preset's are straight
         for module in library.modules(slot).into_iter().filter(|module| !["objects", "clear"].contains(module)) {
             let choice = choice.clone().into_iter().chain([(slot.to_string(), vec![module.to_string()])]).collect();

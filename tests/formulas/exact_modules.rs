@@ -58,7 +58,7 @@ pub fn each(library: &Library, mut on: impl FnMut(&str, &str, &Slots, &str)) {
     let presets: Vec<(&str, Slots, Slots)> = scene::names()
         .map(|name| {
             let scene = scene::preset(name).unwrap();
-            let reached = Variant::of(&scene, library).unwrap().slots;
+            let reached = Slots::clone(&Variant::of(&scene, library).unwrap().slots);
             let mut all = scene.slots(library);
             all.extend(reached.clone());
             (name, all, reached)

@@ -121,7 +121,7 @@ impl Check {
             );
         }
         let any = Variant::of(&preset("lit").unwrap(), &shader::shipped()).unwrap();
-        let variant = Variant { entries, slots, ..any };
+        let variant = Variant { entries, slots: slots.into(), ..any };
         let linked = variant.program(&library, Linker::new).unwrap_or_else(|error| panic!("{error}"));
         let images = linked.resources.iter().filter(|resource| resource.holds == Use::Image);
         let textures =
@@ -146,7 +146,7 @@ impl Check {
     pub fn of_scene(library: &Library, scene: &Scene, text: &str) -> Check {
         let variant = Variant::of(scene, library).unwrap();
         let mut slots = scene.slots(library);
-        slots.extend(variant.slots.clone());
+        slots.extend(shader::Slots::clone(&variant.slots));
         let joined = |modules: &[String]| if modules.is_empty() { "-".into() } else { modules.join("+") };
         let slots: Vec<(String, String)> = slots.into_iter().map(|(slot, modules)| (slot, joined(&modules))).collect();
         let slots: Vec<(&str, &str)> = slots.iter().map(|(slot, modules)| (slot.as_str(), modules.as_str())).collect();

@@ -249,7 +249,7 @@ pub fn render_frames(
                 let save = &mut save;
                 let writing = drawn.take().map(|drawn| scope.spawn(move || save(drawn)));
                 let made = next.map(|(number, path)| -> Result<_, Box<dyn Error>> {
-                    let variant = Variant::of(&sequence.scene(scene, *number), library)?;
+                    let variant = variant.after(&sequence.scene(scene, *number), library)?.into_owned();
                     if object.serve(&variant, library)? {
                         renderer = Renderer::new(gpu, library, &object.subject);
                     }

@@ -5,11 +5,12 @@ use super::planes::SlicePlanes;
 use super::view::View;
 use crate::render::subject::Subject;
 use crate::render::variant::Variant;
+use std::sync::Arc;
 
 #[derive(Clone)]
 pub(crate) struct FrameContext {
     pub(crate) subject: Subject,
-    pub(crate) variant: Variant,
+    pub(crate) variant: Arc<Variant>,
     pub(crate) view: View,
     pub(crate) planes: SlicePlanes,
     pub(crate) space: LightSpace,
@@ -18,7 +19,8 @@ pub(crate) struct FrameContext {
 }
 
 impl FrameContext {
-    pub(crate) fn of(variant: Variant, subject: &Subject) -> FrameContext {
+    pub(crate) fn of(variant: impl Into<Arc<Variant>>, subject: &Subject) -> FrameContext {
+        let variant = variant.into();
         let view = View::of(&variant, subject);
         let planes = view.planes(variant.scene.quality.samples);
         let (space, whole) = (LightSpace::of(&variant.scene, &view, &planes), variant.scene.image.size);

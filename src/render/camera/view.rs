@@ -130,6 +130,9 @@ fn whole<T>(
     both: impl Fn(T, T) -> T,
     either: impl Fn(T, T) -> T,
 ) -> T {
+    if let [own] = objects {
+        return of(own); // its formula is its name
+    }
     let named = |name: &str| objects.iter().find(|own| own.name == name || (own.name.is_empty() && name == MAIN));
     let of_name = |name: &str| of(named(name).unwrap_or(&objects[0]));
     let bound = scene.formula().ok().and_then(|formula| formula.bound(&of_name, &both, &either));

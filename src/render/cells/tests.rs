@@ -112,7 +112,7 @@ fn cells_end_where_something_else_is_to_be_done() {
 
 /// The drawn program of matter, without replaced noise.
 pub(super) fn drawn(scene: &Scene, library: &Library, frame: &FrameContext) -> (eval::Program, eval::Inputs) {
-    let variant = Variant { scene: scene.clone(), ..frame.variant.clone() };
+    let variant = Variant { scene: scene.clone(), ..Variant::clone(&frame.variant) };
     let program = variant.for_purpose(Purpose::Cells, library).unwrap().program(library, Linker::new).unwrap();
     let code = eval::Program::read(&program.fragment, &[(OCTAVES_ID, scene.effect.octaves)]).unwrap();
     let read = CpuInputs::new(library, &variant, &frame.subject, &program).unwrap();

@@ -24,6 +24,7 @@ use glam::DVec3;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::rc::Rc;
+use std::sync::Arc;
 
 /// Prefixes of metadata, and of settings that always have an effect.
 const ALWAYS_USED: [&str; 6] = ["about", "preset", "modules.", "image.", "quality.samples", "object.input"];
@@ -232,7 +233,7 @@ impl<'a> PictureComparer<'a> {
         // The border mode only matters for blocks and for noise with a period.
         if !read.program.reads(SamplerInput::Block.binding())
             && variant.periods.iter().all(|period| *period == Period::ENDLESS)
-            && let Some(wrap) = variant.slots.get_mut("wrap")
+            && let Some(wrap) = Arc::make_mut(&mut variant.slots).get_mut("wrap")
         {
             *wrap = vec!["repeat".into()];
             read = self.read(&variant)?;

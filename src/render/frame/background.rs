@@ -41,7 +41,7 @@ impl BackgroundPrepare {
         let (mut alike, own) = (variant.clone(), &self.frame.variant);
         alike.scene.image.size = own.scene.image.size;
         alike.scene.camera = own.scene.camera.clone();
-        self.destination.serves(destination) && alike == *own
+        self.destination.serves(destination) && alike == **own
     }
 
     /// Waits for the result.

@@ -110,15 +110,13 @@ impl BoundInputs {
         Ok(self.uploads.submit(gpu)?)
     }
 
-    /// Fills the blocks of a recorded picture without waiting; binds the cells proven so far.
-    pub(crate) fn fill_recorded(
+    /// Binds the cells of a recorded picture that are proven so far, without waiting. The blocks are filled.
+    pub(crate) fn update_recorded_cells(
         &mut self,
         gpu: &Gpu,
         program: &Program,
         frame: &FrameContext,
-        sub_frame: &SubFrame,
     ) -> Result<(), RenderError> {
-        self.set_blocks(gpu, program, frame, sub_frame)?;
         if self.full_cell.is_some() {
             let named = |own: &Resource| Some((own.name.clone(), image_of(program, &self.images, &own.name)?));
             let images = || program.resources.iter().filter_map(named).collect();
@@ -135,7 +133,8 @@ impl BoundInputs {
         }
     }
 
-    fn set_blocks(
+    /// Fills the blocks of a picture.
+    pub(crate) fn set_blocks(
         &mut self,
         gpu: &Gpu,
         program: &Program,

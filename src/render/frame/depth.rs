@@ -27,14 +27,14 @@ pub(crate) struct Depth {
 /// # Errors
 /// [`RenderError::Depth`]; or the scene has more samples than rays may take.
 pub fn check_depth(scene: &Scene, library: &Library) -> Result<(), RenderError> {
-    by_rays(scene, library).map(drop)
+    Ok(Variant::of(&by_rays(scene)?, library).map(drop)?)
 }
 
-/// The scene with one straight ray for each pixel.
+/// The scene with one straight ray for each pixel, unchecked.
 ///
 /// # Errors
-/// As [`check_depth`].
-pub(crate) fn by_rays(scene: &Scene, library: &Library) -> Result<Variant, RenderError> {
+/// [`RenderError::Depth`].
+pub(crate) fn by_rays(scene: &Scene) -> Result<Scene, RenderError> {
     if scene.effect.ray_path == RayPath::Refracted {
         return Err(RenderError::Depth("effect.ray_path = \"straight\""));
     }
@@ -47,7 +47,7 @@ pub(crate) fn by_rays(scene: &Scene, library: &Library) -> Result<Variant, Rende
     let mut scene = scene.clone();
     (scene.quality.pass, scene.quality.msaa, scene.quality.supersampling) = (Pass::March, 1, 1);
     scene.light.shadows = false;
-    Ok(Variant::of(&scene, library)?) // slices may have more samples
+    Ok(scene)
 }
 
 impl Depth {
@@ -58,7 +58,7 @@ impl Depth {
         variant: &Variant,
         made: Option<Depth>,
     ) -> Result<Depth, RenderError> {
-        let scene = by_rays(&variant.scene, library)?.scene;
+        let scene = Variant::of(&by_rays(&variant.scene)?, library)?.scene;
         let variant = Variant { scene, ..variant.clone() };
         let program = variant.for_purpose(Purpose::Depth, library)?.program(library, Linker::new)?;
         if let Some(made) = made.filter(|made| made.program == program) {

@@ -7,7 +7,9 @@ use crate::gpu::{DeviceInfo, Format};
 use crate::render::measurements::Measurements;
 use crate::render::variant::{NoiseImage, Variant, slot_of};
 use crate::scene::{BlockFormat, FieldEncoding, Filter, RayPath, Scene};
+use std::borrow::Cow;
 use std::iter;
+use std::sync::Arc;
 
 /// Images of values alone, of which `quality.block_format = auto` makes 32-bit floats.
 const VALUES: [NoiseImage; 3] = [NoiseImage::NoiseValues, NoiseImage::TurbulenceValues, NoiseImage::LowOctaves];
@@ -43,17 +45,18 @@ fn replacement(info: &DeviceInfo, scene: &Scene) -> Option<(Replacement, Format)
 }
 
 /// The variant of a scene whose filters the device has.
-pub(crate) fn suited(info: &DeviceInfo, mut variant: Variant) -> Variant {
-    match replacement(info, &variant.scene) {
-        None => {}
-        Some((Replacement::Blocks, _)) => variant.scene.quality.block_format = BlockFormat::Unorm16,
-        Some((Replacement::Exact, _)) => {
+pub(crate) fn suited<'a>(info: &DeviceInfo, variant: Cow<'a, Variant>) -> Cow<'a, Variant> {
+    let Some((replacement, _)) = replacement(info, &variant.scene) else { return variant };
+    let mut variant = variant.into_owned();
+    match replacement {
+        Replacement::Blocks => variant.scene.quality.block_format = BlockFormat::Unorm16,
+        Replacement::Exact => {
             variant.scene.quality.filter = Filter::Exact;
-            let filters = variant.slots.iter_mut().filter(|(key, _)| slot_of(key) == "filter");
+            let filters = Arc::make_mut(&mut variant.slots).iter_mut().filter(|(key, _)| slot_of(key) == "filter");
             filters.for_each(|(_, names)| *names = vec![Filter::Exact.name().into()]);
         }
     }
-    variant
+    Cow::Owned(variant)
 }
 
 /// The replaced setting of a picture in words, if it has drawn anything otherwise, or a setting that this device draws

@@ -12,6 +12,7 @@ mod pixels;
 mod prepared;
 mod record;
 mod renderer;
+mod reuse;
 mod shadow;
 mod submission_budget;
 mod trial;

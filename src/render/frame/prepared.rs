@@ -16,10 +16,8 @@ use crate::render::error::RenderError;
 use crate::render::inputs::Inputs;
 use crate::render::measurements::{Frame, Measurements};
 use crate::render::subject::Subject;
-use crate::render::variant::{ObjectImage, PassImage, Program, Variant};
-use crate::scene::schema::Changes;
+use crate::render::variant::{PassImage, Program, Variant};
 use crate::scene::{Pass, Scene};
-use crate::shader::slots::FOLDED;
 use crate::shader::{Library, Linker, Slots};
 use std::sync::Arc;
 use std::time::Instant;
@@ -31,7 +29,7 @@ const CUT_SHORT: f32 = -1000.0;
 #[derive(Default)]
 pub(crate) struct Reusable {
     /// A program with its slots.
-    program: Option<(Program, Slots)>,
+    program: Option<(Program, Arc<Slots>)>,
     bound: Option<BoundInputs>,
     pipelines: Option<Pipelines>,
 }
@@ -62,22 +60,12 @@ fn is_cut(destination: Destination, scene: &Scene) -> bool {
     destination == Destination::Frame && scene.quality.pass == Pass::Slices
 }
 
-/// Slots of a variant with their modules.
-fn modules(variant: &Variant) -> impl Iterator<Item = (&String, &Vec<String>)> {
-    variant.slots.iter().filter(|(slot, _)| *slot != FOLDED)
-}
-
-/// Parameters of a variant that are folded to 0.
-fn zeros(variant: &Variant) -> &[String] {
-    variant.slots.get(FOLDED).map_or(&[], Vec::as_slice)
-}
-
 /// A scene with program, pipelines, images and targets.
 pub(crate) struct Prepared {
     pub(super) gpu: Gpu,
     /// The scene with the modules of its program, which may serve others.
     pub(super) variant: Variant,
-    destination: Destination,
+    pub(super) destination: Destination,
     pub(crate) program: Program,
     pub(crate) bound: BoundInputs,
     pub(super) pipelines: Pipelines,
@@ -90,6 +78,8 @@ pub(crate) struct Prepared {
     compile_ms: f64,
     /// Size of the full picture of which pictures are previews.
     pub(crate) whole: [u32; 2],
+    /// The latest recorded picture, whose values the blocks hold, by its variant.
+    recorded: Option<(Arc<Variant>, FrameContext)>,
 }
 
 impl Prepared {
@@ -112,7 +102,7 @@ impl Prepared {
             Some(made) => made,
             None => (frame.variant.program(library, Linker::new)?, frame.variant.slots.clone()),
         };
-        let variant = Variant { slots, ..frame.variant.clone() };
+        let variant = Variant { slots, ..Variant::clone(&frame.variant) };
         let mut compile_ms = start.elapsed().as_secs_f64() * 1e3;
         let quality = &scene.quality;
         let bound = reusable.bound.map_or_else(
@@ -168,6 +158,7 @@ impl Prepared {
             marks,
             compile_ms,
             whole,
+            recorded: None,
         })
     }
 
@@ -179,12 +170,6 @@ impl Prepared {
     /// The target, unless it has several samples per pixel.
     pub(crate) fn latest(&self) -> Option<&Arc<gpu::Image>> {
         self.targets.as_ref().filter(|(_, resolved)| resolved.is_none()).map(|(color, _)| color)
-    }
-
-    /// Whether this serves another scene: one that differs only in per-picture values or in size.
-    pub(crate) fn fits(&self, variant: &Variant, destination: Destination) -> bool {
-        let changes = variant.scene.changes(&self.variant.scene);
-        self.destination.serves(destination) && !changes.has_any(&[Changes::Targets]) && self.has_same_inputs(variant)
     }
 
     /// Resizes the targets to those of a scene that fits.
@@ -215,37 +200,8 @@ impl Prepared {
         Reusable { program, bound: None, pipelines: Some(self.pipelines.clone()) }
     }
 
-    /// Whether another scene has the same program and images: one that differs only in camera, time, parameters,
-    /// samples and targets, with matter of equal reach.
-    pub(crate) fn has_same_inputs(&self, variant: &Variant) -> bool {
-        let (scene, own) = (&variant.scene, &self.variant.scene);
-        // Some images depend on the step.
-        let by_step =
-            [ObjectImage::Segment, ObjectImage::Bricks].into_iter().any(|image| self.program.reads_image(image));
-        let same_reach = || {
-            let [wanted, own] = [variant, &self.variant].map(|variant| {
-                let all = [&variant.parameters].into_iter().chain(variant.parts.values());
-                all.map(|parameters| (parameters.outer_iso(), parameters.spread(1.0)))
-            });
-            wanted.eq(own)
-        };
-        let same_settings = !scene.changes(own).has_any(&[Changes::Field, Changes::Images]);
-        let same_step = !by_step || scene.quality.samples == own.quality.samples;
-        let same_tables = !self.bound.holds_parameters || scene.parameters == own.parameters;
-        same_settings && same_step && same_tables && self.serves(variant) && same_reach()
-    }
-
-    /// Whether the program serves a variant. Every parameter folded to 0 here must be 0 there. More zeros are fine:
-    /// relinking would stall a slider.
-    pub(crate) fn serves(&self, variant: &Variant) -> bool {
-        let [own, wanted] = [&self.variant, variant];
-        own.entries == wanted.entries
-            && modules(own).eq(modules(wanted))
-            && zeros(own).iter().all(|zero| zeros(wanted).contains(zero))
-    }
-
     /// Slots of the program. A variant that it serves may fold further terms.
-    pub(super) fn slots(&self) -> &Slots {
+    pub(super) fn slots(&self) -> &Arc<Slots> {
         &self.variant.slots
     }
 
@@ -287,15 +243,21 @@ impl Prepared {
     pub(crate) fn record(
         &mut self,
         commands: &mut HostCommands<'_>,
-        variant: &Variant,
+        variant: &Arc<Variant>,
         subject: &Subject,
     ) -> Result<Recording, RenderError> {
-        let frame = self.context(variant, subject);
+        let kept = self.recorded.take();
+        let kept = kept.filter(|(own, frame)| Arc::ptr_eq(own, variant) && frame.whole == self.whole);
+        let is_kept = kept.is_some();
+        let frame = kept.map_or_else(|| self.context(variant, subject), |(_, frame)| frame);
         let mut all = SubFrame::all(&variant.scene);
         let (Some(sub_frame), None) = (all.next(), all.next()) else {
             return Err(RenderError::Recorded("quality.supersampling = 1"));
         };
-        self.bound.fill_recorded(&self.gpu, &self.program, &frame, &sub_frame)?;
+        if !is_kept {
+            self.bound.set_blocks(&self.gpu, &self.program, &frame, &sub_frame)?;
+        }
+        self.bound.update_recorded_cells(&self.gpu, &self.program, &frame)?;
         if self.pipelines.caster.is_some() {
             self.bound.uploads.submit(&self.gpu)?; // the shadow pass is submitted, and reads them
         }
@@ -309,7 +271,14 @@ impl Prepared {
         let depth = self.pipelines.depth.as_ref().filter(|_| commands.has_depth());
         let depth =
             depth.map(|own| Ok::<_, RenderError>((own.pipeline.clone(), own.bind(&self.gpu, &self.bound, None)?)));
-        Ok(commands.draw(&self.bound.uploads, pipeline, set, vertices, 0..count, depth.transpose()?))
+        let recording = commands.draw(&self.bound.uploads, pipeline, set, vertices, 0..count, depth.transpose()?);
+        self.recorded = Some((variant.clone(), frame));
+        Ok(recording)
+    }
+
+    /// Discards the values of the latest recorded picture, which the next one makes anew.
+    pub(crate) fn forget_recorded(&mut self) {
+        self.recorded = None;
     }
 
     /// Depth of a picture of a scene that fits, by rays; `stop` receives the milliseconds on the device.
@@ -320,6 +289,7 @@ impl Prepared {
         subject: &Subject,
         stop: &dyn Fn(f64) -> bool,
     ) -> Result<Vec<f32>, RenderError> {
+        self.forget_recorded();
         let frame = self.context(variant, subject);
         let depth = Depth::new(&self.gpu, library, &frame.variant, self.pipelines.depth.take())?;
         for sub_frame in SubFrame::all(&variant.scene).take(1) {
@@ -352,6 +322,7 @@ impl Prepared {
         mut prelude: Option<Prelude<'_>>,
         stop: &dyn Fn(f64, f32) -> bool,
     ) -> Result<Option<Frame>, RenderError> {
+        self.forget_recorded();
         let (frame, scene) = (self.context(variant, subject), &variant.scene);
         let slices = self.slices(&frame)?;
         let mut pictures = Mean::default();

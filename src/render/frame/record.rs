@@ -3,12 +3,14 @@
 use super::background::BackgroundPrepare;
 use super::destination::Destination;
 use super::prepared::Prepared;
-use super::renderer::Renderer;
+use super::renderer::{Recorded, Renderer};
 use crate::gpu::{Format, HostCommands, Recording};
 use crate::render::camera::FrameContext;
 use crate::render::error::RenderError;
 use crate::render::variant::Variant;
 use crate::scene::{Order, Scene};
+use std::borrow::Cow;
+use std::sync::Arc;
 
 impl Renderer {
     /// Whether [`Renderer::record`] draws a scene at once in a format. Otherwise starts the preparation on a thread
@@ -31,7 +33,7 @@ impl Renderer {
 
     /// Whether a scene can be recorded at once; starts the preparation otherwise.
     fn prepare_recording(&mut self, scene: &Scene, destination: Destination) -> Result<bool, RenderError> {
-        let variant = self.recorded(scene, scene.image.size)?;
+        let variant = self.recorded(scene, None)?;
         let is_finished = self.preparing.as_ref().is_some_and(BackgroundPrepare::is_finished);
         if let Some(preparing) = self.preparing.take_if(|_| is_finished) {
             self.take(preparing, &variant, destination)?;
@@ -65,7 +67,7 @@ impl Renderer {
     /// depth, as [`Renderer::render_depth`].
     pub fn record(&mut self, commands: &mut HostCommands<'_>, scene: &Scene) -> Result<Recording, RenderError> {
         let destination = Destination::Host { format: commands.format(), has_depth: commands.has_depth() };
-        let variant = self.recorded(scene, commands.size())?;
+        let variant = self.recorded(scene, Some(commands.size()))?;
         if let Some(preparing) = self.preparing.take_if(|preparing| preparing.serves(&variant, destination)) {
             self.take(preparing, &variant, destination)?;
         }
@@ -80,21 +82,29 @@ impl Renderer {
         self.prepared.last().map_or((false, 0.0), |own| own.bound.recorded_cells())
     }
 
-    /// The scene for a recorded image of a size.
-    fn recorded(&self, scene: &Scene, size: [u32; 2]) -> Result<Variant, RenderError> {
-        let mut scene = scene.clone();
-        scene.image.size = size;
-        scene.quality.order = Order::BackToFront;
+    /// The scene for a recorded image of a size, by default of that of the scene. An unchanged scene is not checked again.
+    fn recorded(&mut self, scene: &Scene, size: Option<[u32; 2]>) -> Result<Arc<Variant>, RenderError> {
+        let serves =
+            |own: &&Recorded| own.scene == *scene && size.is_none_or(|size| size == own.variant.scene.image.size);
+        if let Some(own) = self.recorded.as_ref().filter(serves) {
+            return Ok(own.variant.clone());
+        }
         if scene.quality.msaa > 1 {
             return Err(RenderError::Recorded("quality.msaa = 1"));
         }
         if scene.is_half_angle() {
             return Err(RenderError::Recorded("light.method = \"volume\""));
         }
-        let mut variant = self.plain(&self.suited(&scene)?);
-        if !scene.may_find_first(&self.library) {
-            variant = variant.without_two_phase(); // two-phase artifacts would not be noticed here
+        let mut own = scene.clone();
+        (own.image.size, own.quality.order) = (size.unwrap_or(scene.image.size), Order::BackToFront);
+        let checked = self.check(&own)?;
+        let suited = self.suited(Cow::Borrowed(&checked));
+        let mut variant = self.plain(&suited);
+        if !own.may_find_first(&self.library) {
+            variant = Cow::Owned(variant.without_two_phase()); // two-phase artifacts would not be noticed here
         }
+        let variant = Arc::new(variant.into_owned());
+        self.recorded = Some(Recorded { scene: scene.clone(), variant: variant.clone() });
         Ok(variant)
     }
 

@@ -19,6 +19,7 @@ use crate::scene::{RayPath, Scene, ShaderStage};
 use crate::shader::{Library, Slots};
 use crate::shape::Groom;
 use hypertexture_support::watchdog::own_processor_time;
+use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
@@ -48,13 +49,22 @@ pub struct Renderer {
     is_stroke: bool,
     stop: Stop,
     /// Modules and samples of scenes whose two-phase rays the device has cut short.
-    cut_short: Vec<(Slots, u32)>,
+    cut_short: Vec<(Arc<Slots>, u32)>,
     /// Ways to draw that trials have chosen.
     ways: Ways,
+    /// The latest scene that was checked here.
+    checked: Option<Arc<Variant>>,
+    pub(super) recorded: Option<Recorded>,
     /// Preparation of a host's next scene.
     pub(super) preparing: Option<BackgroundPrepare>,
     /// Time of preparing the next picture, milliseconds.
     prepared_ms: f64,
+}
+
+/// The latest recorded scene, and the variant that draws it.
+pub(super) struct Recorded {
+    pub(super) scene: Scene,
+    pub(super) variant: Arc<Variant>,
 }
 
 /// Whether a picture ends unfinished; receives the milliseconds on the device.
@@ -75,6 +85,8 @@ impl Renderer {
             stop: Arc::new(|_| false),
             cut_short: Vec::new(),
             ways: Ways::default(),
+            checked: None,
+            recorded: None,
             preparing: None,
             prepared_ms: 0.0,
         }
@@ -110,6 +122,7 @@ impl Renderer {
             return Ok(());
         }
         (self.subject.groom, self.is_stroke) = (groom.clone(), stroke);
+        self.prepared.iter_mut().for_each(Prepared::forget_recorded);
         let Some(groom) = groom else { return Ok(()) };
         self.prepared.iter_mut().filter(|own| own.variant.scene.groom.is_some()).try_for_each(|own| {
             let has_cells = !stroke && (own.program.reads_image(PassImage::Cells) || own.is_cut());
@@ -124,9 +137,10 @@ impl Renderer {
     /// As [`render`].
     pub fn prepare(&mut self, scene: &impl Checkable, progress: Progress<'_>) -> Result<(), RenderError> {
         let start = Instant::now();
-        let own = self.suited(scene)?;
+        let asked = self.check(scene)?;
+        let own = self.suited(Cow::Borrowed(&asked));
         self.ways.recall(&self.gpu, &own, &self.library);
-        let variant = self.variant(&own)?;
+        let variant = self.in_way(&own);
         self.prepared(&variant, Destination::Frame, progress)?;
         self.prepared_ms += start.elapsed().as_secs_f64() * 1e3;
         Ok(())
@@ -168,9 +182,9 @@ impl Renderer {
     /// # Errors
     /// As [`render`].
     pub fn render_with(&mut self, scene: &impl Checkable, progress: Progress<'_>) -> Result<Frame, RenderError> {
-        let checked = scene.checked(&self.library)?;
+        let checked = self.check(scene)?;
         let whole = Area::whole(checked.scene.image.size);
-        self.areas(&*checked, std::slice::from_ref(&whole), None, progress)
+        self.areas(&checked, std::slice::from_ref(&whole), None, progress)
     }
 
     /// Renders bands of a picture: ranges of rows that neither overlap nor touch. Their pixels have the bits of the
@@ -179,10 +193,10 @@ impl Renderer {
     /// # Errors
     /// As [`render`].
     pub fn render_bands(&mut self, scene: &impl Checkable, bands: &[Range<u32>]) -> Result<Frame, RenderError> {
-        let checked = scene.checked(&self.library)?;
+        let checked = self.check(scene)?;
         let size @ [width, height] = checked.scene.image.size;
         let areas: Vec<Area> = bands.iter().map(|rows| Area { columns: 0..width, rows: rows.clone() }).collect();
-        let mut frame = self.render_areas(&*checked, &areas, None)?;
+        let mut frame = self.areas(&checked, &areas, None, &|_| ())?;
         if areas != [Area::whole(size)] {
             let mut pixels = vec![[0.0; 4]; width as usize * height as usize];
             paste_areas(&frame.pixels, &areas, width, &mut pixels);
@@ -206,22 +220,22 @@ impl Renderer {
         areas: &[Area],
         number: Option<u32>,
     ) -> Result<Frame, RenderError> {
-        self.areas(scene, areas, number, &|_| ())
+        let checked = self.check(scene)?;
+        self.areas(&checked, areas, number, &|_| ())
     }
 
     fn areas(
         &mut self,
-        scene: &impl Checkable,
+        asked: &Variant,
         areas: &[Area],
         number: Option<u32>,
         progress: Progress<'_>,
     ) -> Result<Frame, RenderError> {
         let (start, before) = (Instant::now(), own_processor_time());
-        let asked = scene.checked(&self.library)?.into_owned();
-        let own = self.suited(&asked)?;
+        let own = self.suited(Cow::Borrowed(asked));
         let mut is_open =
             self.ways.recall(&self.gpu, &own, &self.library) && !self.is_cut(&own) && !self.bends_in_compute(&own);
-        let mut variant = self.variant(&own)?;
+        let mut variant = self.in_way(&own);
         let count = variant.scene.quality.supersampling;
         assert!(number.is_none_or(|number| number < count), "{number:?} of {count}");
         let (subject, stop) = (self.subject.clone(), self.stop.clone());
@@ -242,15 +256,18 @@ impl Renderer {
             let frame = prepared.frame(&variant, &subject, areas, wanted, prelude, &told);
             match frame.map_err(|error| with_module_cause(error, &self.library, &self.plain(&own), &subject))? {
                 Some(frame) => break (slots, frame),
-                None => self.cut_short.push((variant.slots.clone(), variant.scene.quality.samples)),
+                None => {
+                    self.cut_short.push((variant.slots.clone(), variant.scene.quality.samples));
+                    self.recorded = None; // it may have two phases
+                }
             }
-            (variant, is_open) = (variant.without_two_phase(), false);
+            (variant, is_open) = (Cow::Owned(variant.without_two_phase()), false);
         };
         found.into_iter().for_each(|way| self.ways.set(&own, way));
         frame.measurements.total_ms = std::mem::take(&mut self.prepared_ms) + start.elapsed().as_secs_f64() * 1e3;
         let taken = own_processor_time().zip(before).map(|(after, before)| after.saturating_sub(before));
         frame.measurements.processor_ms = taken.map(|taken| taken.as_secs_f64() * 1e3);
-        let drawn = Variant { slots, ..variant };
+        let drawn = Variant { slots, ..variant.into_owned() };
         frame.measurements.replaced = note(self.gpu.info(), &asked.scene, &drawn, &frame.measurements);
         // The record of a picture does not depend on a trial, which depends on time.
         frame.measurements.modules = drawn.with_phases_of(&self.plain(&own)).key();
@@ -273,34 +290,59 @@ impl Renderer {
     /// As [`render`] and [`check_depth`](crate::render::check_depth).
     pub fn render_depth(&mut self, scene: &Scene) -> Result<Vec<f32>, RenderError> {
         let (library, subject, stop) = (self.library.clone(), self.subject.clone(), self.stop.clone());
-        let variant = self.variant(&by_rays(scene, &library)?)?;
+        let asked = self.check(&by_rays(scene)?)?; // slices may have more samples
+        let own = self.suited(Cow::Borrowed(&asked));
+        let variant = self.in_way(&own);
         let prepared = self.prepared(&variant, Destination::Frame, &|_| ())?;
         prepared.depth(&library, &variant, &subject, &*stop)
     }
 
-    /// The variant of a scene by filters that the device has.
-    pub(super) fn suited(&self, scene: &impl Checkable) -> Result<Variant, RenderError> {
-        Ok(suited(self.gpu.info(), scene.checked(&self.library)?.into_owned()))
+    /// Checks a scene, unless it is the latest one, or the latest one from another view.
+    pub(super) fn check(&mut self, scene: &impl Checkable) -> Result<Arc<Variant>, RenderError> {
+        let last = self.checked.clone();
+        let made = match (scene.checked_after(&self.library, last.as_deref())?, &last) {
+            (Cow::Borrowed(own), Some(last)) if std::ptr::eq(own, &**last) => return Ok(last.clone()),
+            (Cow::Borrowed(own), _) => return Ok(Arc::new(own.clone())), // checked by the caller
+            (Cow::Owned(made), _) => Arc::new(made),
+        };
+        self.checked = Some(made.clone());
+        Ok(made)
     }
 
-    /// The variant that draws a scene: [`Renderer::plain`], or in the way that a trial chose.
+    /// The variant of a scene by filters that the device has.
+    pub(super) fn suited<'a>(&self, variant: Cow<'a, Variant>) -> Cow<'a, Variant> {
+        suited(self.gpu.info(), variant)
+    }
+
+    /// The variant that draws a scene.
     fn variant(&self, scene: &impl Checkable) -> Result<Variant, RenderError> {
-        let own = self.suited(scene)?;
-        let plain = self.plain(&own);
+        let own = self.suited(scene.checked_after(&self.library, self.checked.as_deref())?);
+        Ok(self.in_way(&own).into_owned())
+    }
+
+    /// The variant that draws that of a scene: [`Renderer::plain`], or in the way that a trial chose.
+    fn in_way<'a>(&self, own: &'a Variant) -> Cow<'a, Variant> {
+        let in_compute = || self.plain(own).in_compute(&self.library).ok();
         let way = match own.scene.quality.stage {
-            ShaderStage::Compute if self.gpu.info().computes => plain.in_compute(&self.library).ok(),
+            ShaderStage::Compute if self.gpu.info().computes => in_compute(),
             ShaderStage::Fragment | ShaderStage::Compute => None,
-            ShaderStage::Auto if self.bends_in_compute(&own) => plain.in_compute(&self.library).ok(),
-            ShaderStage::Auto if self.is_cut(&own) => None,
-            ShaderStage::Auto => self.ways.applied(&own, &self.library),
+            ShaderStage::Auto if self.bends_in_compute(own) => in_compute(),
+            ShaderStage::Auto if self.is_cut(own) => None,
+            ShaderStage::Auto => self.ways.applied(own, &self.library),
         };
-        Ok(way.unwrap_or(plain))
+        way.map_or_else(|| self.plain(own), Cow::Owned)
     }
 
     /// The variant that draws that of a scene by fragment shaders: in one phase where the device has cut two-phase rays
     /// short, else as suits most devices of its kind.
-    pub(super) fn plain(&self, own: &Variant) -> Variant {
-        if self.is_cut(own) { own.without_two_phase() } else { own.clone().for_device(self.gpu.info().cpu) }
+    pub(super) fn plain<'a>(&self, own: &'a Variant) -> Cow<'a, Variant> {
+        let is_changed = own.uses_two_phase() && self.is_direct(own);
+        if is_changed { Cow::Owned(own.without_two_phase()) } else { Cow::Borrowed(own) }
+    }
+
+    /// Whether that variant has one phase.
+    fn is_direct(&self, own: &Variant) -> bool {
+        !own.uses_two_phase() || self.is_cut(own) || own.is_direct_on(self.gpu.info().cpu)
     }
 
     /// Whether compute shaders bend the rays of a scene, since the derivatives of fragment shaders are wrong.

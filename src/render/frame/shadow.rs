@@ -74,7 +74,7 @@ pub fn transmittance(
     scene: &impl Checkable,
     subject: &Subject,
 ) -> Result<Transmittance, RenderError> {
-    let frame = FrameContext::of(suited(gpu.info(), scene.checked(library)?.into_owned()), subject);
+    let frame = FrameContext::of(suited(gpu.info(), scene.checked(library)?).into_owned(), subject);
     let program = frame.variant.program(library, Linker::new)?;
     let inputs = Inputs::new(library, &frame, &program, &|_| ())?;
     let mut bound = BoundInputs::new(gpu, library, &program, &inputs, false, false, &|_| ())?;

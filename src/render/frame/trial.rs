@@ -15,7 +15,7 @@ use crate::scene::{Pass, ShaderStage};
 use crate::shader::slots::FOLDED;
 use crate::shader::{Library, Linker, Slots};
 use hypertexture_support::disk_cache::{self, CacheKind};
-use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Samples of a picture from which on a trial pays. Higher: pictures of 300 x 300 are never tried. Lower: compiling the
 /// other programs takes longer than they save.
@@ -72,20 +72,21 @@ impl Way {
 }
 
 fn key(gpu: &Gpu, scene: &Variant, library: &Library) -> blake3::Hash {
-    let text = unfolded(scene).text_hash(library);
+    // Terms that are folded do not count: a slider that is pulled to 0 keeps the way, and so the program.
+    let mut unfolded = scene.clone();
+    Arc::make_mut(&mut unfolded.slots).remove(FOLDED);
+    let text = unfolded.text_hash(library);
     blake3::Hasher::new().update(text.as_bytes()).update(gpu.info().title().as_bytes()).finalize()
 }
 
-/// A scene's variant without terms that are folded: a slider that is pulled to 0 keeps the way, and so the program.
-fn unfolded(scene: &Variant) -> Variant {
-    let mut whole = scene.clone();
-    whole.slots.remove(FOLDED);
-    whole
+/// Slots of a variant without terms that are folded.
+fn unfolded(scene: &Variant) -> impl Iterator<Item = (&String, &Vec<String>)> {
+    scene.slots.iter().filter(|(slot, _)| *slot != FOLDED)
 }
 
 /// Ways that trials have chosen, by the modules of a scene.
 #[derive(Default)]
-pub(crate) struct Ways(BTreeMap<Slots, Way>);
+pub(crate) struct Ways(Vec<(Slots, Way)>);
 
 impl Ways {
     /// Looks the way to draw a scene up on disk. Returns whether a trial is to choose it and pays.
@@ -103,7 +104,8 @@ impl Ways {
 
     /// Keeps the way of a scene.
     pub fn set(&mut self, scene: &Variant, way: Way) {
-        self.0.insert(unfolded(scene).slots, way);
+        self.0.retain(|(slots, _)| !slots.iter().eq(unfolded(scene)));
+        self.0.push((unfolded(scene).map(|(slot, names)| (slot.clone(), names.clone())).collect(), way));
     }
 
     /// The variant that draws a scene in its way, if that is chosen.
@@ -112,7 +114,7 @@ impl Ways {
     }
 
     fn get(&self, scene: &Variant) -> Option<Way> {
-        self.0.get(&unfolded(scene).slots).copied()
+        self.0.iter().find(|(slots, _)| slots.iter().eq(unfolded(scene))).map(|(_, way)| *way)
     }
 }
 

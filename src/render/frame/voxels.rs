@@ -13,6 +13,7 @@ use crate::render::subject::Subject;
 use crate::render::variant::{Purpose, Variant};
 use crate::shader::{Library, Linker};
 use glam::{DMat3, DVec3};
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// Pixels along a side of the target. Higher: more memory. Lower: more submissions.
@@ -42,10 +43,10 @@ impl VoxelProgram {
         subject: &Subject,
         as_value: fn(&Library, &Variant) -> (Library, Variant),
     ) -> Result<VoxelProgram, RenderError> {
-        let drawn = &suited(gpu.info(), drawn.clone());
+        let drawn = suited(gpu.info(), Cow::Borrowed(drawn));
         let (library, variant) = as_value(library, &drawn.for_purpose(Purpose::Voxels, library)?);
         let program = variant.program(&library, Linker::new)?;
-        let frame = FrameContext::of(drawn.clone(), subject);
+        let frame = FrameContext::of(drawn.into_owned(), subject);
         let inputs = Inputs::new(&library, &frame, &program, &|_| ())?;
         let mut bound = BoundInputs::new(gpu, &library, &program, &inputs, false, false, &|_| ())?;
         for moment in SubFrame::all(&frame.variant.scene).take(1) {

@@ -11,7 +11,7 @@ use crate::gpu::{Dimension, Format};
 use crate::render::camera::{FrameContext, SlicePlanes, SubFrame, View};
 use crate::render::error::RenderError;
 use crate::render::texture::{self, Bricks, Encoding, Texels};
-use crate::render::variant::{GroomImage, ImageInput, ObjectImage, Program, Resource, Use, Variant};
+use crate::render::variant::{GroomImage, ImageInput, ObjectImage, Program, Resource, Use};
 use crate::shader::{Library, suffixed};
 use crate::shape::Groom;
 use std::cell::Cell;
@@ -62,7 +62,8 @@ impl Inputs {
         progress: Progress<'_>,
         on_device: bool,
     ) -> Result<Inputs, RenderError> {
-        let FrameContext { variant: variant @ Variant { scene, .. }, planes, .. } = frame;
+        let FrameContext { variant, planes, .. } = frame;
+        let scene = &variant.scene;
         let mut items: Vec<ObjectInputs<'_>> =
             frame.view.objects.iter().map(|own| ObjectInputs::of(frame, own, StoredDistance::default())).collect();
         let mut volumes = Vec::new();
@@ -167,7 +168,7 @@ impl StoredObjects {
 
 /// Text of all that an image depends on, for loaded objects.
 pub(crate) fn image_key(frame: &FrameContext, object: &str, image: ImageInput) -> String {
-    let FrameContext { variant: Variant { scene, .. }, .. } = frame;
+    let scene = &frame.variant.scene;
     match image {
         ImageInput::Noise(own) => format!("{:?}", NoiseTexels::of(scene, own)),
         ImageInput::Groom(_) => format!("{:?}", scene.groom),
@@ -178,7 +179,7 @@ pub(crate) fn image_key(frame: &FrameContext, object: &str, image: ImageInput) -
 
 /// Text of all that an image of an object depends on.
 fn object_key(frame: &FrameContext, object: &str, image: ObjectImage) -> String {
-    let FrameContext { variant: variant @ Variant { scene, .. }, view, planes, .. } = frame;
+    let FrameContext { variant, view, planes, .. } = frame;
     let Some(own) = view.objects.iter().find(|own| own.name == object) else { return image.binding().into() };
     let item = ObjectInputs::of(frame, own, StoredDistance::default());
     let (object, effect, transfer) = (&item.scene.object, &item.scene.effect, &item.scene.transfer);
@@ -197,7 +198,7 @@ fn object_key(frame: &FrameContext, object: &str, image: ObjectImage) -> String 
             )
         }
         ObjectImage::Closest => format!("{}", object.inner_iso),
-        ObjectImage::Bricks => format!("{densities:?} {:?} {}", scene.quality.integration, planes.step),
+        ObjectImage::Bricks => format!("{densities:?} {:?} {}", variant.scene.quality.integration, planes.step),
     }
 }
 

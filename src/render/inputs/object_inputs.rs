@@ -6,6 +6,7 @@ use crate::render::subject::Subject;
 use crate::render::texture::{self, Encoding, Texels};
 use crate::render::variant::{ObjectImage, Program, Variant};
 use crate::scene::{FieldEncoding, Parameters, Scene};
+use std::borrow::Cow;
 
 /// Decoding of a distance stored in a volume, units of its object: `x + y s` for a texel s.
 #[derive(Clone, Copy, Default)]
@@ -21,7 +22,7 @@ pub(crate) struct ObjectInputs<'a> {
     pub(crate) suffix: String,
     pub(crate) own: &'a ObjectView,
     /// The scene reduced to this object.
-    pub(crate) scene: Scene,
+    pub(crate) scene: Cow<'a, Scene>,
     pub(crate) subject: &'a Subject,
     pub(crate) parameters: &'a Parameters,
     pub(crate) stored: StoredDistance,
@@ -29,10 +30,13 @@ pub(crate) struct ObjectInputs<'a> {
 
 impl<'a> ObjectInputs<'a> {
     pub(crate) fn of(frame: &'a FrameContext, view: &'a ObjectView, stored: StoredDistance) -> ObjectInputs<'a> {
-        let FrameContext { subject, variant: variant @ Variant { scene, .. }, .. } = frame;
+        let FrameContext { subject, variant, .. } = frame;
         let (suffix, scene, subject, parameters) = match view.name.as_str() {
-            "" => (String::new(), scene.clone(), subject, &variant.parameters),
-            name => (format!("_{name}"), scene.part_as_scene(name), &subject.parts[name], &variant.parts[name]),
+            "" => (String::new(), Cow::Borrowed(&variant.scene), subject, &variant.parameters),
+            name => {
+                let scene = Cow::Owned(variant.scene.part_as_scene(name));
+                (format!("_{name}"), scene, &subject.parts[name], &variant.parts[name])
+            }
         };
         ObjectInputs { suffix, own: view, scene, subject, parameters, stored }
     }

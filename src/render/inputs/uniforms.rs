@@ -50,7 +50,8 @@ pub(crate) fn moment(frame: &FrameContext, sub_frame: &SubFrame) -> [(String, Ve
 
 /// All other members of the blocks of `interface.glsl` and `part.glsl`, and all parameters.
 pub(crate) fn values(frame: &FrameContext, items: &[ObjectInputs<'_>], time: f64) -> Values {
-    let FrameContext { variant: variant @ Variant { scene, .. }, view, planes, .. } = frame;
+    let FrameContext { variant, view, planes, .. } = frame;
+    let scene = &variant.scene;
     let mut named = HashMap::new();
     let mut set = |name: &str, floats: &[f32]| drop(named.insert(name.to_string(), floats.to_vec()));
     set("texture_matrix", &view.texture_matrix.to_cols_array());

@@ -3,6 +3,7 @@
 use super::scene_variant::Variant;
 use crate::scene::{Color, Scene};
 use crate::shader::{Library, find_word, tokens};
+use std::sync::Arc;
 
 /// Opacity module that returns the density, whatever the path.
 const DENSITY: &str = "// The density in place of the opacity of a path.
@@ -36,7 +37,7 @@ pub(crate) fn as_extinction(library: &Library, variant: &Variant) -> (Library, V
 
 fn with_opacity(library: &Library, variant: &Variant, name: &str, module: &str) -> (Library, Variant) {
     let mut variant = variant.clone();
-    variant.slots.entry("opacity".into()).and_modify(|names| *names = vec![name.into()]);
+    Arc::make_mut(&mut variant.slots).entry("opacity".into()).and_modify(|names| *names = vec![name.into()]);
     (library.clone().with_module("opacity", name, module), variant)
 }
 

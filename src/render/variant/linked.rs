@@ -72,7 +72,7 @@ impl Variant {
 
     /// Request for [`compile`].
     pub fn job(&self, changed: BTreeMap<String, String>, is_optimized: bool) -> Job {
-        Job { changed, entries: self.entries.map(String::from), slots: self.slots.clone(), is_optimized }
+        Job { changed, entries: self.entries.map(String::from), slots: Slots::clone(&self.slots), is_optimized }
     }
 }
 

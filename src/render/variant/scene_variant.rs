@@ -12,7 +12,7 @@ use crate::shader::{Library, LinkError, Linker, Parameter, Slots, counting, link
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::iter;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 /// Entries of rays: fragment shaders, and compute shaders that give the same bits.
 const COMPUTE_ENTRIES: [(&str, &str); 4] = [
@@ -37,7 +37,7 @@ pub struct Variant {
     /// Entry files in the library: vertex stage, fragment stage.
     pub entries: [&'static str; 2],
     /// The slots that the program reaches, with their modules.
-    pub slots: Slots,
+    pub slots: Arc<Slots>,
     /// Parameters of these modules with their values, except those of additional objects.
     pub parameters: Parameters,
     /// Parameters of each additional object, by its name.
@@ -57,16 +57,38 @@ pub trait Checkable {
     /// # Errors
     /// As [`Variant::of`].
     fn checked(&self, library: &Library) -> Result<Cow<'_, Variant>, VariantError>;
+
+    /// The checked scene, after an earlier one that [`Variant::after`] may use.
+    ///
+    /// # Errors
+    /// As [`Variant::of`].
+    fn checked_after<'a>(
+        &'a self,
+        library: &Library,
+        last: Option<&'a Variant>,
+    ) -> Result<Cow<'a, Variant>, VariantError>;
 }
 
 impl Checkable for Scene {
     fn checked(&self, library: &Library) -> Result<Cow<'_, Variant>, VariantError> {
         Variant::of(self, library).map(Cow::Owned)
     }
+
+    fn checked_after<'a>(
+        &'a self,
+        library: &Library,
+        last: Option<&'a Variant>,
+    ) -> Result<Cow<'a, Variant>, VariantError> {
+        last.map_or_else(|| self.checked(library), |last| last.after(self, library))
+    }
 }
 
 impl Checkable for Variant {
     fn checked(&self, _: &Library) -> Result<Cow<'_, Variant>, VariantError> {
+        Ok(Cow::Borrowed(self))
+    }
+
+    fn checked_after<'a>(&'a self, _: &Library, _: Option<&'a Variant>) -> Result<Cow<'a, Variant>, VariantError> {
         Ok(Cow::Borrowed(self))
     }
 }
@@ -107,8 +129,7 @@ impl Variant {
     /// # Errors
     /// Those of [`Scene::check`].
     pub fn of(scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
-        let parameters = scene.check(library)?;
-        let scene = &*scene.moment()?;
+        let (scene, parameters) = scene.checked_moment(library)?;
         let entries = scene.entries();
         let mut choice = scene.slots(library);
         let parts = scene.check_parts(library)?;
@@ -120,18 +141,36 @@ impl Variant {
                 "" => library.declarations(&entries, &choice)?.needs_normal,
                 _ => library.object_declarations(name, &choice)?.needs_normal,
             };
-            let own = if name.is_empty() { scene.clone() } else { scene.part_as_scene(name) };
+            let own = if name.is_empty() { Cow::Borrowed(&*scene) } else { Cow::Owned(scene.part_as_scene(name)) };
             // A boolean may pass the normal of any operand on.
             choice.insert(slot(name), vec![object_module(&own, needs_normal || scene.has_several()).into()]);
         }
         if scene.quality.fold_zero_terms {
-            let mut all = zero(scene, "", &parameters);
+            let mut all = zero(&scene, "", &parameters);
             all.extend(parts.iter().flat_map(|(name, parameters)| zero(&scene.part_as_scene(name), name, parameters)));
             choice.insert(FOLDED.into(), all);
         }
         let (octaves, periods) = (scene.octaves_held(library), scene.periods(library));
-        let (slots, looks_back) = (library.needed(&entries, &choice)?, scene.looks_back(library));
-        Ok(Variant { scene: scene.clone(), entries, slots, parameters, parts, octaves, periods, looks_back })
+        let (slots, looks_back) = (library.needed(&entries, &choice)?.into(), scene.looks_back(library));
+        Ok(Variant { scene: scene.into_owned(), entries, slots, parameters, parts, octaves, periods, looks_back })
+    }
+
+    /// [`Variant::of`] another scene of the same library. One that differs from this in its view alone shares the modules and parameters; one
+    /// without a difference is this.
+    ///
+    /// # Errors
+    /// Those of [`Scene::check`].
+    pub fn after(&self, scene: &Scene, library: &Library) -> Result<Cow<'_, Variant>, VariantError> {
+        match scene.same_but_view(&self.scene, &self.parameters)? {
+            None => Variant::of(scene, library).map(Cow::Owned),
+            Some(moment) if moment.changes(&self.scene).is_empty() => Ok(Cow::Borrowed(self)),
+            Some(moment) => {
+                let Variant { entries, octaves, periods, looks_back, .. } = *self;
+                let (slots, parameters, parts) = (self.slots.clone(), self.parameters.clone(), self.parts.clone());
+                let scene = moment.into_owned();
+                Ok(Cow::Owned(Variant { scene, entries, slots, parameters, parts, octaves, periods, looks_back }))
+            }
+        }
     }
 
     /// Whether rays find matter in a first phase and shade it in a second, which waits for the other rays of a group.
@@ -143,7 +182,12 @@ impl Variant {
     /// directly: finding it first evaluates the density twice (H100: fire 3.1 ms instead of 4.4, flow 2.7 instead of
     /// 4.7). Hard matter is shaded once a ray and stays in two phases (lit 0.12 ms instead of 0.2).
     pub fn for_device(self, on_processor: bool) -> Variant {
-        if self.is_hard() || on_processor { self } else { self.without_two_phase() }
+        if self.is_direct_on(on_processor) { self.without_two_phase() } else { self }
+    }
+
+    /// Whether that variant has one phase because of the device.
+    pub(crate) fn is_direct_on(&self, on_processor: bool) -> bool {
+        !on_processor && !self.is_hard()
     }
 
     /// Whether all objects have hard surfaces.
@@ -206,14 +250,14 @@ impl Variant {
     pub(crate) fn without_two_phase(&self) -> Variant {
         let mut variant = self.clone();
         if self.uses_two_phase() {
-            variant.slots.insert(PHASES.into(), vec!["leap".into()]);
+            Arc::make_mut(&mut variant.slots).insert(PHASES.into(), vec!["leap".into()]);
         }
         variant
     }
 
     /// The variant in as many phases as another variant of its scene.
     pub(crate) fn with_phases_of(mut self, other: &Variant) -> Variant {
-        if let (Some(own), Some(module)) = (self.slots.get_mut(PHASES), other.slots.get(PHASES)) {
+        if let (Some(own), Some(module)) = (Arc::make_mut(&mut self.slots).get_mut(PHASES), other.slots.get(PHASES)) {
             own.clone_from(module);
         }
         self
@@ -255,7 +299,7 @@ impl Variant {
                 *names = vec!["dense".into()]; // a sample of the light is wider than a pixel
             }
         }
-        let own = Variant { entries, slots: library.needed(&entries, &choice)?, ..self.clone() };
+        let own = Variant { entries, slots: library.needed(&entries, &choice)?.into(), ..self.clone() };
         let compute = if self.is_compute() { own.in_compute(library).ok() } else { None };
         Ok(compute.unwrap_or(own))
     }
@@ -266,7 +310,7 @@ impl Variant {
     /// A module is missing, which [`Variant::of`] excludes.
     pub fn table(&self, entry: &'static str, library: &Library) -> Result<Variant, VariantError> {
         let entries = ["march.vert", entry];
-        Ok(Variant { entries, slots: library.needed(&entries, &self.slots)?, ..self.clone() })
+        Ok(Variant { entries, slots: library.needed(&entries, &self.slots)?.into(), ..self.clone() })
     }
 
     /// The module in a slot; `None` if the program does not reach the slot or its stack is empty.
@@ -338,7 +382,7 @@ impl Variant {
 
     /// The variant whose rays know no empty cells.
     pub(crate) fn without_cells(mut self) -> Variant {
-        if let Some(names) = self.slots.get_mut("cells") {
+        if let Some(names) = Arc::make_mut(&mut self.slots).get_mut("cells") {
             *names = vec!["none".into()];
         }
         self

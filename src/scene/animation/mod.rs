@@ -13,7 +13,7 @@ pub use track::Track;
 
 use super::schema::{self, ChangeSet, Changes, Kind, Setting, setting};
 use super::setting::{Leaf, Node, number, push_name};
-use super::{ParameterValue, Scene, SceneError};
+use super::{ParameterValue, Scene, SceneError, parameters};
 use crate::shader::Declarations;
 use serde::de::Error;
 use serde::{Deserialize, Serialize};
@@ -299,8 +299,7 @@ impl Scene {
                 let value = key.value.clone().try_into::<ParameterValue>();
                 let value =
                     value.map_err(|_| SceneError::value(format!("{TABLE}.{field}"), &key.value, "a parameter"))?;
-                let of = Scene { parameters: [(name.into(), value)].into(), ..Scene::default() };
-                of.parameters(declared).map_err(|error| at_time(error, key.time))?;
+                parameters::check(declared, name, &value).map_err(|error| at_time(error, key.time))?;
             }
         }
         Ok(())
