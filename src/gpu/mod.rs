@@ -12,6 +12,8 @@
 
 #![allow(unsafe_code)]
 
+#[cfg(test)]
+pub(crate) mod allocations;
 mod bind_set;
 mod buffer;
 #[cfg(feature = "window")]

@@ -1,6 +1,7 @@
 //! Pictures recorded into a host's commands.
 
 use super::*;
+use crate::gpu::allocations::allocations;
 use crate::gpu::faults::LOSING;
 use crate::gpu::{Dimension, Image, ImageUse, Load, Options, Target};
 use crate::render::{RenderError, Renderer, Subject, render};
@@ -39,6 +40,8 @@ struct Flight<'a> {
     buffer: vk::CommandBuffer,
     fence: vk::Fence,
     recording: Option<Recording>,
+    /// Allocations by the recording.
+    allocations: u64,
 }
 
 impl<'a> Flight<'a> {
@@ -64,10 +67,10 @@ impl<'a> Flight<'a> {
             if let Some(depth) = &depth {
                 host = host.with_depth(target(depth)).unwrap();
             }
-            let recording = renderer.record(&mut host, scene).unwrap();
+            let (recording, allocations) = allocations(|| renderer.record(&mut host, scene).unwrap());
             device.end_command_buffer(buffer).unwrap();
             let fence = device.create_fence(&vk::FenceCreateInfo::default(), None).unwrap();
-            Flight { own, image, depth, buffer, fence, recording: Some(recording) }
+            Flight { own, image, depth, buffer, fence, recording: Some(recording), allocations }
         }
     }
 
@@ -176,6 +179,39 @@ fn a_recorded_picture_is_that_of_render_over_what_the_host_has_drawn() {
     drop(gpu);
     drop(own);
     assert_eq!(messages.take(), Vec::<String>::new());
+}
+
+/// Most allocations by the recording of an unchanged scene, and of one from another view.
+const ALLOCATIONS: [u64; 2] = [100, 1000];
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn recording_allocates_little() {
+    let _lock = ValidationLock::acquire();
+    let [own, gpu] = host();
+    let library = shader::shipped();
+    for (name, input) in [("fire", "sphere"), ("fur", "teapot")] {
+        let mut scene = preset(name).unwrap();
+        scene.object.input = input.into();
+        (scene.image.size, scene.quality.samples, scene.object.resolution) = (SIZE, 32, 32);
+        let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
+        let mut renderer = Renderer::new(&gpu, &library, &subject);
+        let (mut still, mut moving) = (Vec::new(), Vec::new());
+        for (counted, step) in [(&mut still, 0.0), (&mut moving, 1.0)] {
+            for _ in 0..6 {
+                scene.camera.azimuth += step;
+                let (is_ready, asked) = allocations(|| renderer.is_recordable(&scene, FORMAT).unwrap());
+                let flight = Flight::recorded(&own, &gpu, &mut renderer, &scene, false);
+                flight.submit();
+                counted.extend(is_ready.then_some(asked + flight.allocations));
+                flight.seen();
+            }
+        }
+        println!("allocations of recordings of {name}: {still:?} of an unchanged scene, {moving:?} of a moving one");
+        for (counted, most) in [(still, ALLOCATIONS[0]), (moving, ALLOCATIONS[1])] {
+            assert!(counted.len() > 2 && counted[2..].iter().all(|count| *count <= most), "{name}: {counted:?}");
+        }
+    }
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! The frame pipeline: passes on the device and the renderer that submits them.
 
+#[cfg(test)]
+mod allocation_tests;
 mod background;
 mod bind;
 mod depth;
