@@ -92,7 +92,7 @@ settings! {
     /// The picture.
     pub struct Picture: PictureField = "image." {
         /// Width and height in pixels.
-        size: [u32; 2] = [512, 512] => Size, wholes(2, 1.0, 16384.0), flag("size");
+        size: [u32; 2] = [512, 512] => Size, wholes(2, 1.0, 16384.0), flag("size"), unit(Unit::Pixels);
         /// Background color; transparent by default.
         background: Option<Color> = None => View, Kind::Color, optional("#20242c"), flag("background");
     }

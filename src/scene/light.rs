@@ -8,7 +8,8 @@ settings! {
     /// A point light that moves with the camera (MJ 3.2).
     pub struct Light: LightField = "light." {
         /// Position from the center of the object: right, up, toward the camera; object units.
-        position: [f32; 3] = [-3.0, 4.0, 5.0] => View, numbers(3, -1e6, 1e6), usual(-10.0, 10.0), flag("light");
+        position: [f32; 3] = [-3.0, 4.0, 5.0]
+            => View, numbers(3, -1e6, 1e6), usual(-10.0, 10.0), flag("light"), unit(Unit::ObjectUnits);
         /// Color of the light.
         color: Color = Color([255; 3]) => Picture, Kind::Color;
         /// Brightness of the light.
@@ -18,7 +19,7 @@ settings! {
         /// Whether matter casts shadows.
         shadows: bool = false => Images, Kind::Switch, flag_alone("shadows", "true");
         /// Texels along a side of the shadow volume, at most 256, or of the buffer of half-angle slicing.
-        shadow_resolution: u32 = 128 => Picture, whole(8.0, 2048.0), usual(16.0, 256.0);
+        shadow_resolution: u32 = 128 => Picture, whole(8.0, 2048.0), usual(16.0, 256.0), unit(Unit::Texels);
         /// Shadow method.
         method: LightMethod = LightMethod::Volume => Images, Kind::Choice(LightMethod::CHOICES);
         /// Fraction of the light that soft matter scatters forward; needs half_angle.
@@ -26,7 +27,7 @@ settings! {
         /// Fraction of the extinction that scattered light ignores, per channel.
         transport: Color = Color([230, 170, 110]) => Images, Kind::Color;
         /// Standard deviation of the blur of scattered light after one object unit, object units.
-        scatter: f32 = 0.2 => Images, number(0.0, 2.0);
+        scatter: f32 = 0.2 => Images, number(0.0, 2.0), unit(Unit::ObjectUnits);
     }
 }
 

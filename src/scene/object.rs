@@ -17,7 +17,7 @@ settings! {
         /// Iso-value of the surface of a scalar volume. By default the lowest that info proposes; --iso 500,1300 also sets those of aligned objects.
         iso: Option<f32> = None => Field, Kind::Number(Range::ANY), optional("0.5"), flag("iso");
         /// Thickness of the shell around the surface, half of it to each side, object units; 0 is solid.
-        shell: f32 = 0.0 => Field, number(0.0, 2.0), flag("shell");
+        shell: f32 = 0.0 => Field, number(0.0, 2.0), flag("shell"), unit(Unit::ObjectUnits);
         /// The axis of the file that points up.
         up: Axis = Axis::Y => Field, Kind::Choice(Axis::CHOICES), flag("up");
         /// Stretch factors along x, y and z of object space.
@@ -25,9 +25,9 @@ settings! {
         /// Whether a volume holds signed distances, positive outside, although its file does not say so.
         distance: bool = false => Field, Kind::Switch, flag_alone("distance", "true");
         /// Signed distance at which the object starts, object units; the longest side of the object is 2.
-        inner_iso: f32 = 0.0 => Images, number(-2.0, 2.0);
+        inner_iso: f32 = 0.0 => Images, number(-2.0, 2.0), unit(Unit::ObjectUnits);
         /// Signed distance at which the soft region starts, object units; a parameter of the effect takes precedence.
-        outer_iso: f32 = 0.15 => Images, number(-2.0, 2.0);
+        outer_iso: f32 = 0.15 => Images, number(-2.0, 2.0), unit(Unit::ObjectUnits);
         /// Encoding of the distance field.
         field_encoding: FieldEncoding = FieldEncoding::Auto
             => Field, Kind::Choice(FieldEncoding::CHOICES), flag("field-encoding");

@@ -101,7 +101,7 @@ settings! {
         /// Position of the center of an additional object in object space of the scene.
         at: [f32; 3] = [0.0; 3] => Images, numbers(3, -100.0, 100.0), usual(-2.0, 2.0);
         /// Degrees about x, y and z.
-        turn: [f32; 3] = [0.0; 3] => Images, numbers(3, -1e6, 1e6), usual(-180.0, 180.0);
+        turn: [f32; 3] = [0.0; 3] => Images, numbers(3, -1e6, 1e6), usual(-180.0, 180.0), unit(Unit::Degrees);
         /// Size relative to the object of the scene.
         scale: f32 = 1.0 => Images, number(0.01, 100.0), usual(0.01, 4.0);
         /// Whether it keeps its place relative to the object of the scene in their common file, such as bone in skin, in place of the middle.

@@ -40,7 +40,7 @@ settings! {
         /// Anisotropy of the filter of volumes; 1 is off. Blocks of noise have none.
         anisotropy: f32 = 1.0 => Images, number(1.0, 16.0), flag("anisotropy");
         /// Texels along a side of the blocks of noise and turbulence.
-        block_size: u32 = 64 => Images, Kind::OneOf(&[16, 32, 64, 128, 256]);
+        block_size: u32 = 64 => Images, Kind::OneOf(&[16, 32, 64, 128, 256]), unit(Unit::Texels);
         /// Lattice cells of the first octave across the block of turbulence, at most half of block_size. Half as many: one octave more, and the pattern repeats after half the distance.
         turbulence_cells: u32 = 4 => Images, Kind::OneOf(&[1, 2, 4, 8, 16, 32, 64]);
         /// Continuation of a block beyond its border.
@@ -48,7 +48,7 @@ settings! {
         /// Format of the texels of a block.
         block_format: BlockFormat = BlockFormat::Auto => Images, Kind::Choice(BlockFormat::CHOICES);
         /// Standard deviation of the blur of noise = random, texels.
-        block_blur: f32 = 0.7 => Images, number(0.0, 4.0);
+        block_blur: f32 = 0.7 => Images, number(0.0, 4.0), unit(Unit::Texels);
     }
 }
 

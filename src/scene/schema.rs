@@ -6,7 +6,7 @@
 use super::{Animation, Camera, Effect, Light, Material, Object, Part, Picture, Quality, Scene, Transfer, Transform};
 use std::sync::LazyLock;
 
-pub use super::setting::{ChangeSet, Changes, Filled, Flag, Kind, Range, Setting, float};
+pub use super::setting::{ChangeSet, Changes, Filled, Flag, Kind, Range, Setting, Unit, float};
 
 /// Every setting, in the order of the window and the documentation.
 pub static SETTINGS: LazyLock<Vec<Setting>> = LazyLock::new(|| {

@@ -11,7 +11,7 @@ pub use keys::{Ease, Key};
 pub(crate) use repeat::Looped;
 pub use track::Track;
 
-use super::schema::{self, ChangeSet, Changes, Kind, Setting, setting};
+use super::schema::{self, ChangeSet, Changes, Kind, Setting, Unit, setting};
 use super::setting::{Leaf, Node, number, push_name};
 use super::{ParameterValue, Scene, SceneError, parameters};
 use crate::shader::Declarations;
@@ -45,7 +45,8 @@ impl Animation {
         number(0.01, 1e6),
     )
     .usual(1.0, 20.0)
-    .optional("4")];
+    .optional("4")
+    .unit(Unit::Seconds)];
 
     /// Whether nothing moves or repeats.
     pub fn is_empty(&self) -> bool {

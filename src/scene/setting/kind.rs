@@ -15,6 +15,36 @@ pub struct Setting {
     pub flag: Option<Flag>,
     /// Part of the renderer that a change rebuilds.
     pub changes: Changes,
+    /// Unit of its numbers.
+    pub unit: Option<Unit>,
+}
+
+/// Unit of a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// Degrees.
+    Degrees,
+    /// Seconds.
+    Seconds,
+    /// Pixels.
+    Pixels,
+    /// Texels.
+    Texels,
+    /// Object units: the longest side of the object is 2.
+    ObjectUnits,
+}
+
+impl Unit {
+    /// Symbol behind a number, with the space between them.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Unit::Degrees => "\u{b0}",
+            Unit::Seconds => " s",
+            Unit::Pixels => " px",
+            Unit::Texels => " tx",
+            Unit::ObjectUnits => " u",
+        }
+    }
 }
 
 /// Values that a setting takes.
@@ -146,7 +176,7 @@ pub(crate) const fn wholes(count: usize, low: f32, high: f32) -> Kind {
 impl Setting {
     /// A setting without a flag, which always has a value. The text comes from a doc comment, whose space it begins with.
     pub(crate) const fn new(name: &'static str, doc: &'static str, changes: Changes, kind: Kind) -> Setting {
-        Setting { name, doc: doc.trim_ascii(), kind, optional: None, flag: None, changes }
+        Setting { name, doc: doc.trim_ascii(), kind, optional: None, flag: None, changes, unit: None }
     }
 
     /// With a flag of the command line.
@@ -164,6 +194,12 @@ impl Setting {
     /// Not set by default; the value that it is switched on with.
     pub(crate) const fn optional(mut self, on: &'static str) -> Setting {
         self.optional = Some(on);
+        self
+    }
+
+    /// With a unit.
+    pub(crate) const fn unit(mut self, unit: Unit) -> Setting {
+        self.unit = Some(unit);
         self
     }
 

@@ -6,7 +6,7 @@ mod node;
 mod value;
 
 pub(crate) use declare::{choices, settings};
-pub use kind::{ChangeSet, Changes, Filled, Flag, Kind, Range, Setting};
+pub use kind::{ChangeSet, Changes, Filled, Flag, Kind, Range, Setting, Unit};
 pub(crate) use kind::{number, numbers, whole, wholes};
 pub use node::{Leaf, Node};
 pub(crate) use node::{of, only, push_name};

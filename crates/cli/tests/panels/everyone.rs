@@ -126,8 +126,7 @@ fn words_are_those_of_the_field_and_numbers_have_their_units() {
     hand.set("camera.elevation", 25.0);
     hand.click("add object");
     assert!(shown(&hand, "Transform"));
-    use hypertexture_viewer::panels::widgets::unit;
-    let of = |name: &str| unit(scene::schema::setting(name).unwrap().doc);
+    let of = |name: &str| scene::schema::setting(name).unwrap().unit.map_or("", scene::schema::Unit::symbol);
     for (unit, names) in [
         ("\u{b0}", &["camera.azimuth", "camera.elevation", "camera.field_of_view", "transform.turn"][..]),
         (" s", &["camera.time", "camera.shutter"]),

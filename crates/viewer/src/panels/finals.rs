@@ -7,6 +7,7 @@ use crate::finals::{BEHIND, GRID, Kind, Motion, Order, Rendering, is_installed};
 use crate::message::Message;
 use crate::model::Model;
 use egui::{DragValue, Id, TextEdit, Ui, Window};
+use hypertexture::scene::schema::Unit;
 use std::collections::{BTreeSet, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, LazyLock};
@@ -187,7 +188,9 @@ impl Finals {
             let mut touch = None;
             number(ui, &mut touch, &frames, &mut motion.frames, 1..=1000);
             let mut seconds = f64::from(motion.frames) / motion.fps;
-            number(ui, &mut touch, &field("final.seconds", "Length of the motion, seconds."), &mut seconds, 0.1..=60.0);
+            let length = field("final.seconds", "Length of the motion, seconds.");
+            let length = Field { unit: Unit::Seconds.symbol(), ..length };
+            number(ui, &mut touch, &length, &mut seconds, 0.1..=60.0);
             match touch.as_deref() {
                 Some("final.seconds") => {
                     motion.frames = ((seconds * motion.fps).round() as u32).max(1);

@@ -2,9 +2,10 @@
 
 use super::context::Pass;
 use super::settings;
-use super::widgets::{button, color, field, named, number, switch};
+use super::widgets::{Field, button, color, field, named, number, switch};
 use crate::painting::{Painting, SEVERAL};
 use egui::{DragValue, Label, RichText, Ui};
+use hypertexture::scene::schema::Unit;
 use hypertexture::scene::{Color, linear_to_srgb, srgb_to_linear};
 use hypertexture::shape::BrushKind;
 use std::ops::RangeInclusive;
@@ -53,7 +54,8 @@ fn controls(ui: &mut Ui, pass: &mut Pass<'_>, painting: &mut Painting) {
     ui.horizontal_wrapped(|ui| kinds(ui, painting, "brush"));
     let (brush, mut touch) = (&mut painting.brush, None);
     let doc = "Radius of the brush, object units; the wheel over the picture changes it.";
-    number(ui, &mut touch, &field("brush.radius", doc), &mut brush.radius, 0.02..=1.0);
+    let radius = Field { unit: Unit::ObjectUnits.symbol(), ..field("brush.radius", doc) };
+    number(ui, &mut touch, &radius, &mut brush.radius, 0.02..=1.0);
     let doc = "Part of the full effect of a touch; [ and ] change it.";
     number(ui, &mut touch, &field("brush.strength", doc), &mut brush.strength, 0.0..=1.0);
     if brush.kind == BrushKind::Color {

@@ -3,11 +3,24 @@
 use super::context::{Pass, own, prefix};
 use super::field_menu::{Of, with_menu};
 use super::keyframes::diamond;
-use super::widgets::{self, color, field, number, short};
+use super::widgets::{self, Field, color, field, number, short};
 use egui::{Button, RichText, Ui};
+use hypertexture::scene::schema::Unit;
 use hypertexture::scene::{LOOP_SECONDS, ParameterValue};
 use hypertexture::shader::ParameterKind;
 use toml::Value;
+
+/// Units as descriptions of parameters name them: the header of a module has no other place for them.
+const UNITS: [(&str, Unit); 3] =
+    [("degrees", Unit::Degrees), ("seconds", Unit::Seconds), ("object units", Unit::ObjectUnits)];
+
+/// Symbol of the unit of a parameter: the unit follows a comma, or begins the description as in `Seconds after which`.
+fn unit(doc: &str) -> &'static str {
+    let sentence = doc.to_lowercase();
+    let follows = |word: &str| [", ", "; ", "in "].iter().any(|before| sentence.contains(&format!("{before}{word}")));
+    let is_named = |(word, _): &&(&str, Unit)| sentence.starts_with(word) || follows(word);
+    UNITS.iter().find(is_named).map_or("", |(_, unit)| unit.symbol())
+}
 
 /// The parameters of an object.
 pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
@@ -17,7 +30,7 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
     }
     for (parameter, value) in declared.iter().filter(|(parameter, _)| parameter.name != LOOP_SECONDS) {
         let name = format!("{}parameters.{}", prefix(part), parameter.name);
-        let field = field(&name, &parameter.doc);
+        let field = Field { unit: unit(&parameter.doc), ..field(&name, &parameter.doc) };
         let mut new = value.clone();
         let now = written(value);
         let home = || Some(written(&model.parameter_in_preset(part, parameter)));

@@ -5,7 +5,7 @@ use super::field_menu;
 use super::keyframes;
 use super::widgets::{self, Field, choice, color, field, number, numbers, switch, text};
 use egui::Ui;
-use hypertexture::scene::schema::{self, Kind, SETTINGS, Setting, float};
+use hypertexture::scene::schema::{self, Kind, SETTINGS, Setting, Unit, float};
 use hypertexture::scene::{Color, is_movable};
 use hypertexture::shader::Library;
 use toml::Value;
@@ -117,7 +117,8 @@ fn rows(ui: &mut Ui, pass: &mut Pass<'_>, prefix: &str, setting: &Setting, offer
         Some(_) if !matches!(setting.kind, Kind::Text) => Some(""), // the switch above has the name
         _ => word.or(setting.table().is_empty().then_some(&text)),
     };
-    let row = Field { text, ..field(name.clone(), setting.doc) };
+    let unit = setting.unit.map_or("", Unit::symbol);
+    let row = Field { text, unit, ..field(name.clone(), setting.doc) };
     if let Some(text) = changed(ui, pass, setting, &row, value, offered) {
         pass.set(&name, &text);
     }

@@ -19,9 +19,6 @@ const NARROW: f32 = 260.0;
 const RESET: f32 = 28.0;
 /// Width beside a slider whose label is above it, points.
 const BELOW: f32 = 96.0 + VALUE;
-/// Unit words in descriptions, and their suffixes.
-const UNITS: [(&str, &str); 5] =
-    [("degrees", "\u{b0}"), ("seconds", " s"), ("pixels", " px"), ("texels", " tx"), ("object units", " u")];
 /// Width of a number with its unit, so that what stands behind it is in one column, points.
 const VALUE: f32 = 58.0;
 /// Significant digits of a number.
@@ -36,11 +33,13 @@ pub struct Field<'a> {
     pub text: Option<&'a str>,
     /// Description with the unit.
     pub doc: &'a str,
+    /// Symbol of the unit behind a number, if it has one.
+    pub unit: &'static str,
 }
 
 /// A field with the default label.
 pub fn field(name: impl Into<String>, doc: &str) -> Field<'_> {
-    Field { name: name.into(), text: None, doc }
+    Field { name: name.into(), text: None, doc, unit: "" }
 }
 
 /// A number for a label: four significant digits, but all of those before the point.
@@ -74,20 +73,6 @@ pub fn come_into_view(ui: &Ui, response: &Response) {
     if fits && response.gained_focus() && !ui.input(|input| input.pointer.any_down()) {
         response.scroll_to_me(None);
     }
-}
-
-/// The suffix of a number, from the unit in its description: after a comma, or at the beginning as in `Degrees
-/// about`. Rates have none.
-pub fn unit(doc: &str) -> &'static str {
-    let sentence = doc.to_lowercase();
-    let said = |word: &&(&str, &str)| {
-        let word = word.0;
-        sentence.starts_with(word)
-            || [format!("in {word}"), format!(", {word}"), format!("; {word}")]
-                .iter()
-                .any(|said| sentence.contains(said.as_str()))
-    };
-    UNITS.iter().find(said).map_or("", |(_, unit)| unit)
 }
 
 /// Fits labels and sliders to the available width.
@@ -179,7 +164,7 @@ pub fn number<N: egui::emath::Numeric>(
     let (low, high, before) = (range.start().to_f64(), range.end().to_f64(), *value);
     let slider = Slider::new(value, range).logarithmic(is_logarithmic(low, high)).clamping(SliderClamping::Never);
     let slider = if N::INTEGRAL { slider } else { slider.custom_formatter(|value, _| short(value)) };
-    let slider = slider.suffix(unit(field.doc));
+    let slider = slider.suffix(field.unit);
     let response = row(ui, field, |ui| {
         ui.spacing_mut().interact_size.x = VALUE;
         ui.add(slider)
@@ -193,7 +178,7 @@ pub fn number<N: egui::emath::Numeric>(
 /// A number without a range, dragged in proportion to its value.
 pub fn unbounded(ui: &mut Ui, touch: &mut Touch, field: &Field<'_>, value: &mut f32) {
     let speed = 0.01 * f64::from(value.abs()).max(0.1);
-    let drag = DragValue::new(value).speed(speed).custom_formatter(|value, _| short(value)).suffix(unit(field.doc));
+    let drag = DragValue::new(value).speed(speed).custom_formatter(|value, _| short(value)).suffix(field.unit);
     let response = row(ui, field, |ui| ui.add(drag));
     if is_changed(ui, &response) {
         *touch = Some(field.name.clone());
