@@ -181,7 +181,7 @@ impl Hand {
 
 /// A field of a scene; `None` if it has its default.
 fn number(scene: &Scene, name: &str) -> Option<f64> {
-    let value = scene.fields().into_iter().find(|(field, _)| field == name)?.1;
+    let value = scene.value_named(name)?;
     value.as_float().or(value.as_integer().map(|value| value as f64))
 }
 

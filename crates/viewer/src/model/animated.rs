@@ -3,7 +3,6 @@
 use super::Model;
 use crate::trackball::level_angles;
 use hypertexture::scene::{Key, Scene, Track};
-use std::collections::BTreeMap;
 use toml::Value;
 
 /// Seconds between times that count as one.
@@ -68,11 +67,11 @@ impl Model {
             [scene.camera.azimuth, scene.camera.elevation] = level_angles(&scene.camera);
             scene.camera.rotation = None;
         }
-        let [before, after] = [before.fields(), scene.fields()].map(BTreeMap::from_iter);
         for (field, track) in own {
             let is_kept = scene.animation.tracks.get(field) == Some(track) && matches!(track, Track::Keys(_));
-            if let Some(value) = after.get(field).filter(|value| is_kept && before.get(field) != Some(value)) {
-                self.set_key(scene, field, value);
+            let value = scene.value_named(field).filter(|_| is_kept);
+            if let Some(value) = value.filter(|value| before.value_named(field).as_ref() != Some(value)) {
+                self.set_key(scene, field, &value);
             }
         }
     }

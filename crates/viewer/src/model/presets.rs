@@ -68,7 +68,7 @@ impl Model {
         if let Some((part, _)) = name.strip_prefix("parts.").and_then(|rest| rest.split_once('.')) {
             base.parts.entry(part.into()).or_default();
         }
-        base.fields().into_iter().find(|(own, _)| own == name).map(|(_, value)| value)
+        base.value_named(name)
     }
 
     /// The value of a parameter in the preset of the scene, else the default of its module.

@@ -56,7 +56,7 @@ pub(super) fn camera(ui: &mut Ui, pass: &mut Pass<'_>, bookmarks: &mut Bookmarks
     views(ui, pass, bookmarks);
     let angles = pass.draft.camera.rotation.map(|_| angles(&pass.draft.camera));
     for (name, angle) in ["camera.azimuth", "camera.elevation"].into_iter().zip(angles.into_iter().flatten()) {
-        pass.values.insert(name.into(), Value::Float(angle.into()));
+        pass.shown.insert(name.into(), Value::Float(angle.into()));
     }
     let touched = pass.touch.take();
     settings::table(ui, pass, "", "camera");

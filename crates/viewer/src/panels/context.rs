@@ -30,8 +30,10 @@ pub(super) enum Act {
 pub(super) struct Pass<'a> {
     /// The scene with the changes of the controls.
     pub(super) draft: Scene,
-    /// Fields of the scene before the pass.
-    pub(super) values: BTreeMap<String, toml::Value>,
+    /// The scene before the pass.
+    pub(super) before: Scene,
+    /// Values that controls show in place of those of the scene, by field.
+    pub(super) shown: BTreeMap<String, toml::Value>,
     /// Why a value was refused.
     pub(super) refused: Option<String>,
     pub(super) touch: Touch,
@@ -54,6 +56,11 @@ impl Pass<'_> {
         ui.multiply_opacity(if is_read { 1.0 } else { UNREAD });
         add(ui, self);
         ui.set_opacity(opacity);
+    }
+
+    /// The value of a field before the pass; `None` if it has none.
+    pub(super) fn value(&self, name: &str) -> Option<toml::Value> {
+        self.shown.get(name).cloned().or_else(|| self.before.value_named(name))
     }
 
     /// Sets a field to a value in the syntax of scene files; an empty one removes the field.

@@ -23,7 +23,7 @@ pub(super) struct Of<'a> {
 
 /// Shows the controls of a setting with their menu.
 pub(super) fn of_setting(ui: &mut Ui, pass: &mut Pass<'_>, name: &str, add: impl FnOnce(&mut Ui, &mut Pass<'_>)) {
-    let (model, value) = (pass.model, pass.values.get(name).cloned());
+    let (model, value) = (pass.model, pass.value(name));
     with_menu(ui, pass, &Of { name, value, home: &|| model.field_in_preset(name) }, add);
 }
 

@@ -267,7 +267,7 @@ fn rhombus(center: Pos2) -> Vec<Pos2> {
 fn apply(scene: &mut Scene, name: &str, change: Change, copied: Option<Key>) {
     let time = scene.animation.wrapped(scene.camera.time);
     let period = scene.animation.period;
-    let value = scene.fields().into_iter().find(|(field, _)| field == name).map(|(_, value)| value);
+    let value = scene.value_named(name);
     let Some(track) = scene.animation.tracks.get_mut(name) else { return };
     match (change, &mut *track) {
         (Change::Move(number, wanted), Track::Keys(keys)) => {

@@ -14,7 +14,7 @@ use crate::model::Model;
 use crate::painting::Painting;
 use crate::unsaved;
 use egui::{CollapsingHeader, Id, Panel, PanelState, RichText, ScrollArea, Ui};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 /// Default width of the panel with the settings, points.
@@ -254,10 +254,10 @@ impl Panels {
     fn controls(&mut self, ui: &mut Ui, model: &mut Model, status: &Status) -> Vec<Request> {
         self.selected = self.selected.take().filter(|name| model.scene().parts.contains_key(name));
         let (draft, acts, requests) = (model.present(), Vec::new(), Vec::new());
-        let values = draft.fields().into_iter().collect();
+        let (before, shown) = (draft.clone(), BTreeMap::new());
         let (advanced, keys) = (self.advanced, self.keyframes.shown);
         let mut pass =
-            Pass { draft, values, refused: None, touch: None, acts, requests, model, status, advanced, keys };
+            Pass { draft, before, shown, refused: None, touch: None, acts, requests, model, status, advanced, keys };
         ui.add_space(4.0);
         field_menu::take_pasted(ui, &mut pass);
         self.dialogs.offer(ui, &mut pass.acts);

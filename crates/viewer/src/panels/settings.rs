@@ -87,7 +87,7 @@ fn control(ui: &mut Ui, pass: &mut Pass<'_>, prefix: &str, setting: &Setting, of
         field_menu::of_setting(ui, pass, &name, |ui, pass| {
             pass.dimmed(ui, &name, |ui, pass| match pass.keys && is_movable(&name) {
                 true => drop(ui.horizontal(|ui| {
-                    let value = pass.values.get(&name).cloned();
+                    let value = pass.value(&name);
                     keyframes::diamond(ui, pass, &name, value.as_ref());
                     ui.vertical(|ui| rows(ui, pass, prefix, setting, offered));
                 })),
@@ -100,7 +100,7 @@ fn control(ui: &mut Ui, pass: &mut Pass<'_>, prefix: &str, setting: &Setting, of
 fn rows(ui: &mut Ui, pass: &mut Pass<'_>, prefix: &str, setting: &Setting, offered: &dyn Fn(u32) -> bool) {
     let name = format!("{prefix}{}", setting.name);
     let word = WORDS.iter().find(|(own, _)| *own == setting.name).map(|(_, word)| *word);
-    let mut value = pass.values.get(&name).cloned();
+    let mut value = pass.value(&name);
     if let (Some(on), false) = (setting.optional, matches!(setting.kind, Kind::Text)) {
         let of = format!("{prefix}{}.has_{}", setting.table(), setting.field());
         let text = word.map_or_else(|| setting.field().replace('_', " "), String::from);
