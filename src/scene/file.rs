@@ -3,9 +3,10 @@
 use super::error::reason;
 use super::field::flatten;
 use super::schema::{Kind, Setting, setting};
-use super::{Reach, Scene, SceneError, preset_texts};
+use super::{FieldId, Reach, Scene, SceneError, preset_texts};
 use crate::shape::BUILT_IN;
 use hypertexture_support::open;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Size limit of a scene file, bytes.
@@ -17,10 +18,18 @@ pub const MAX_BYTES: u64 = 1 << 20;
 /// [`SceneError::Read`] or [`SceneError::Syntax`] with the name of the file; also for errors of [`Scene::check`], and for
 /// files out of reach.
 pub fn load(path: &Path, reach: Reach) -> Result<Scene, SceneError> {
+    Ok(load_given(path, reach)?.0)
+}
+
+/// A scene file as by [`load`], and the fields that the file itself sets.
+///
+/// # Errors
+/// Those of [`load`].
+pub fn load_given(path: &Path, reach: Reach) -> Result<(Scene, BTreeSet<FieldId>), SceneError> {
     let name = path.display().to_string();
     let fail = |reason: String| SceneError::Read { path: name.clone(), reason };
     let text = open::text(path, MAX_BYTES).map_err(|error| fail(error.to_string()))?;
-    let mut scene = parse(&text, &name).map_err(|error| match error {
+    let (mut scene, given) = parse_given(&text, &name).map_err(|error| match error {
         SceneError::Syntax { .. } | SceneError::Read { .. } => error,
         other => fail(other.to_string()),
     })?;
@@ -37,7 +46,7 @@ pub fn load(path: &Path, reach: Reach) -> Result<Scene, SceneError> {
         SceneError::Read { .. } => error, // names its module
         other => located(other, &text, &name),
     })?;
-    Ok(scene)
+    Ok((scene, given))
 }
 
 /// Adds the name of the file and, if known, the line to an error.
@@ -69,6 +78,11 @@ fn line_of(text: &str, field: &str) -> Option<usize> {
 /// # Errors
 /// [`SceneError::Syntax`] with the line, [`SceneError::Read`] without one, or an unknown preset.
 pub fn parse(text: &str, name: &str) -> Result<Scene, SceneError> {
+    Ok(parse_given(text, name)?.0)
+}
+
+/// Parses the text of a scene, and finds the fields that it sets.
+fn parse_given(text: &str, name: &str) -> Result<(Scene, BTreeSet<FieldId>), SceneError> {
     let scene: Scene = toml::from_str(text).map_err(|error| syntax(&error, text, name))?;
     let mut values = Vec::new();
     flatten("", table(text, name)?, &mut values);
@@ -82,8 +96,9 @@ pub fn parse(text: &str, name: &str) -> Result<Scene, SceneError> {
             setting.check(field, value).map_err(|error| located(error, text, name))?;
         }
     }
+    let given = values.iter().filter_map(|(field, _)| FieldId::named(field)).collect();
     if scene.preset.is_none() && scene.parts.values().all(|part| part.preset.is_none()) {
-        return Ok(scene);
+        return Ok((scene, given));
     }
     let mut base =
         scene.preset.as_deref().map_or(Ok(toml::Table::new()), |preset| table(preset_texts::text(preset)?, name))?;
@@ -93,7 +108,7 @@ pub fn parse(text: &str, name: &str) -> Result<Scene, SceneError> {
         parts.iter_mut().try_for_each(|(_, part)| part_over_preset(part, name))?;
     }
     let merged: Scene = base.try_into().map_err(|error| syntax(&error, text, name))?;
-    Ok(merged)
+    Ok((merged, given))
 }
 
 /// Merges a part over the tables of its preset that belong to one object.
@@ -206,6 +221,14 @@ mod tests {
         assert!(error.contains("x.toml: ") && error.contains("fineness"), "{error}");
         let error = refusal("preset = \"nope\"\n");
         assert!(error.contains("x.toml") && error.contains("nope"), "{error}");
+    }
+
+    #[test]
+    fn fields_of_a_file_are_told_from_those_of_its_preset() {
+        let (scene, given) = parse_given("preset = \"fur\"\n[quality]\nmsaa = 1\n", "x.toml").unwrap();
+        let names: Vec<String> = given.iter().map(FieldId::to_string).collect();
+        assert_eq!(names, ["preset", "quality.msaa"]);
+        assert_eq!(scene.effect.dmf, ["fur"]);
     }
 
     #[test]

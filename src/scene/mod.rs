@@ -44,7 +44,7 @@ pub use error::SceneError;
 pub use field::parse_value;
 #[cfg(feature = "window")]
 pub use file::MAX_BYTES;
-pub use file::{load, parse, to_text};
+pub use file::{load, load_given, parse, to_text};
 pub use light::{Light, LightField, LightMethod};
 pub(crate) use loops::SHADOW_SAMPLES;
 pub use object::{FORMULAS, FieldEncoding, GLSL, Object, ObjectField, Storage};

@@ -1,7 +1,7 @@
 //! `web` and `export`: a scene for a browser, and for other hosts.
 
 use super::picture::{draw, smooth};
-use super::scene_arguments::{ObjectFlags, SceneArguments};
+use super::scene_arguments::{ObjectFlags, SceneArguments, SceneInput};
 use super::session::check_folder;
 use super::{absolute, say, try_modules, with_device, with_progress};
 use clap::Args;
@@ -69,9 +69,9 @@ fn load(
     options: Option<&Options>,
     quiet: bool,
 ) -> Result<Loaded, Box<dyn Error>> {
-    let mut scene = arguments.scene_and_base(input, object)?.0;
+    let SceneInput { mut scene, sets_rays_of_a_pixel, .. } = arguments.scene_and_base(input, object)?;
     let command = command_of(name, &scene, &scene.library()?);
-    if !arguments.says_rays_of_a_pixel(input) {
+    if !sets_rays_of_a_pixel {
         smooth(&mut scene);
     }
     let (variant, library) = super::checked(&scene)?;

@@ -82,7 +82,7 @@ const SPECK: f64 = 1e-3;
 /// Polygonizes the surface and writes it.
 pub(super) fn run(command: &Mesh, quiet: bool) -> Result<(), Box<dyn Error>> {
     command.format()?;
-    let scene = command.arguments.scene_and_base(&command.input, &command.object)?.0;
+    let scene = command.arguments.scene_and_base(&command.input, &command.object)?.scene;
     export(command, &scene, super::checked(&scene)?, quiet)
 }
 

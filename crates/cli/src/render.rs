@@ -3,7 +3,7 @@
 use super::depth_map::write_depth_map;
 use super::error_map::write_error_map;
 use super::picture::{self, Picture, STANDARD_OUTPUT, fault_line, render_picture, render_shard, smooth};
-use super::scene_arguments::{ObjectFlags, SceneArguments, files_read, metric};
+use super::scene_arguments::{ObjectFlags, SceneArguments, SceneInput, files_read, metric};
 use super::sequence::{Motion, ShardChoice, frames_of, render_frames, shard};
 use super::validity::write_validity;
 use super::{absolute, announced, aside, say, say_json, silent, start, with_device, with_progress};
@@ -171,8 +171,9 @@ fn ends(path: &Path, end: &str) -> bool {
 
 /// Renders, or predicts the cost.
 pub(super) fn run(command: &Render, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
-    let (mut scene, mut base) = command.arguments.scene_and_base(&command.input, &command.object)?;
-    if command.max_error.is_none() && !command.arguments.says_rays_of_a_pixel(&command.input) {
+    let SceneInput { mut scene, mut base, sets_rays_of_a_pixel } =
+        command.arguments.scene_and_base(&command.input, &command.object)?;
+    if command.max_error.is_none() && !sets_rays_of_a_pixel {
         [&mut scene, &mut base].into_iter().for_each(smooth);
     }
     let (variant, library) = super::checked(&scene)?;

@@ -57,7 +57,7 @@ pub struct Volume {
 /// Evaluates the voxels of each frame and writes them.
 pub(super) fn run(command: &Volume, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     command.format()?;
-    let scene = command.arguments.scene_and_base(&command.input, &command.object)?.0;
+    let scene = command.arguments.scene_and_base(&command.input, &command.object)?.scene;
     export(command, options, &scene, super::checked(&scene)?, quiet)
 }
 
