@@ -1,6 +1,6 @@
 //! The vertical axis of a file.
 
-use super::setting::choices;
+use super::fields::setting::choices;
 use glam::DVec3;
 
 choices! {

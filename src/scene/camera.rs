@@ -1,6 +1,6 @@
 //! The camera of a scene.
 
-use super::setting::{choices, settings};
+use super::fields::setting::{choices, settings};
 
 settings! {
     /// The camera.

@@ -1,6 +1,6 @@
 //! Colors: sRGB in files, linear in computations.
 
-use super::setting::Leaf;
+use super::fields::setting::Leaf;
 use serde::{Deserialize, Serialize};
 
 /// A color, written `#rrggbb` in sRGB.

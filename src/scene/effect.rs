@@ -1,7 +1,7 @@
 //! The modules of an effect.
 
 use super::Repeat;
-use super::setting::{choices, settings};
+use super::fields::setting::{choices, settings};
 
 settings! {
     /// The modules of an effect: names of files in the folders of `glsl`.

@@ -1,7 +1,7 @@
 //! The light of a scene.
 
-use super::check::within;
-use super::setting::{choices, settings};
+use super::fields::setting::{choices, settings};
+use super::rules::check::within;
 use super::{Color, Order, Pass, Proxy, Scene, SceneError};
 
 settings! {

@@ -6,18 +6,12 @@
 mod animation;
 mod axis;
 mod camera;
-mod check;
 mod color;
-mod command;
-mod document;
 mod effect;
 mod error;
-mod field;
-mod file;
-mod header;
+mod fields;
 mod lens;
 mod light;
-mod loops;
 mod modules;
 mod object;
 mod parameters;
@@ -25,11 +19,7 @@ mod part;
 mod preset_texts;
 mod presets;
 mod quality;
-mod reach;
-pub mod schema;
-mod setting;
-mod slots;
-mod strategy;
+mod rules;
 mod transfer;
 
 pub(crate) use animation::Looped;
@@ -37,16 +27,15 @@ pub use animation::{Animation, AnimationField, Ease, Key, Track, is_movable};
 pub use axis::Axis;
 pub use camera::{Camera, CameraField, Projection};
 pub use color::{Color, linear_to_srgb, srgb_to_linear};
-pub use command::{option_text, value_text};
-pub use document::{Boolean, FieldId, Material, MaterialField, ParameterValue, Picture, PictureField, Scene};
 pub use effect::{Effect, EffectField, RayPath};
 pub use error::SceneError;
-pub use field::parse_value;
 #[cfg(feature = "window")]
-pub use file::MAX_BYTES;
-pub use file::{load, load_given, parse, to_text};
+pub use fields::MAX_BYTES;
+pub use fields::{
+    Boolean, FieldId, Material, MaterialField, ParameterValue, Picture, PictureField, Scene, load, load_given,
+    option_text, parse, parse_value, schema, to_text, value_text,
+};
 pub use light::{Light, LightField, LightMethod};
-pub(crate) use loops::SHADOW_SAMPLES;
 pub use object::{FORMULAS, FieldEncoding, GLSL, Object, ObjectField, Storage};
 pub use parameters::{LOOP_SECONDS, Parameters, Spread};
 pub use part::{Part, PartField, Transform, TransformField};
@@ -56,6 +45,6 @@ pub use quality::{
     BlockFormat, EmptySpace, Filter, Integration, Jitter, Order, Pass, Proxy, Quality, QualityField, ShaderStage,
     TargetFormat, Wrap,
 };
-pub use reach::Reach;
-pub use strategy::Repeat;
+pub(crate) use rules::SHADOW_SAMPLES;
+pub use rules::{Reach, Repeat};
 pub use transfer::{Curve, Stop, Transfer, TransferField};

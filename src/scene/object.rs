@@ -1,8 +1,8 @@
 //! The object of a scene, and the storage of its distance field.
 
 use super::Axis;
-use super::schema::Changes;
-use super::setting::{Node, choices, settings};
+use super::fields::schema::Changes;
+use super::fields::setting::{Node, choices, settings};
 
 settings! {
     /// The object of a scene.

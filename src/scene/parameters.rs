@@ -1,6 +1,6 @@
 //! Parameters of a scene: the declarations of its modules with the values of the scene.
 
-use super::check::within;
+use super::rules::check::within;
 use super::{Looped, ParameterValue, Scene, SceneError};
 use crate::shader::declare::{Parameter, ParameterKind};
 use crate::shader::drift::Drift;

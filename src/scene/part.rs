@@ -1,7 +1,7 @@
 //! Additional objects of a scene, each with its own effect, and their combination.
 
-use super::schema::{self, ChangeSet, Changes, Filled, Setting};
-use super::setting::{Node, push_name, settings};
+use super::fields::schema::{self, ChangeSet, Changes, Filled, Setting};
+use super::fields::setting::{Node, push_name, settings};
 use super::{Effect, Integration, Material, Object, ParameterValue, Scene, SceneError, Storage, Transfer};
 use crate::shader::slots::{FORMULA, MAIN};
 use crate::shader::{Formula, FormulaError, Library, Slots};

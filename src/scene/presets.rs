@@ -1,7 +1,7 @@
 //! Presets.
 
 use super::preset_texts::{names, text};
-use super::{Scene, SceneError, file};
+use super::{Scene, SceneError, parse};
 
 /// The six effects of MJ Fig. 7, in its order.
 pub const EFFECTS: [&str; 6] = ["lit", "solid", "bump", "fur", "melting", "fire"];
@@ -11,7 +11,7 @@ pub const EFFECTS: [&str; 6] = ["lit", "solid", "bump", "fur", "melting", "fire"
 /// # Errors
 /// [`SceneError::Name`] with the nearest name and all of them.
 pub fn preset(name: &str) -> Result<Scene, SceneError> {
-    file::parse(text(name)?, &format!("preset {name}"))
+    parse(text(name)?, &format!("preset {name}"))
 }
 
 /// The preset with the fewest differences from a scene, with the input and additional objects of the scene. The base for

@@ -1,6 +1,6 @@
 //! Settings of accuracy against time.
 
-use super::setting::{choices, settings};
+use super::fields::setting::{choices, settings};
 
 settings! {
     /// Accuracy against time.

@@ -1,7 +1,7 @@
 //! The transfer map of a scene.
 
 use super::Color;
-use super::setting::{Leaf, choices, settings};
+use super::fields::setting::{Leaf, choices, settings};
 use serde::{Deserialize, Serialize};
 
 settings! {

@@ -1,6 +1,6 @@
 //! Keyframes: values at times, and the way from one to the next.
 
-use crate::scene::setting::choices;
+use crate::scene::fields::setting::choices;
 use serde::{Deserialize, Serialize};
 use toml::Value;
 

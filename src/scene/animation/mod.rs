@@ -11,8 +11,8 @@ pub use keys::{Ease, Key};
 pub(crate) use repeat::Looped;
 pub use track::Track;
 
-use super::schema::{self, ChangeSet, Changes, Kind, Setting, Unit, setting};
-use super::setting::{Leaf, Node, number, push_name};
+use super::fields::schema::{self, ChangeSet, Changes, Kind, Setting, Unit, setting};
+use super::fields::setting::{Leaf, Node, number, push_name};
 use super::{ParameterValue, Scene, SceneError, parameters};
 use crate::shader::Declarations;
 use serde::de::Error;

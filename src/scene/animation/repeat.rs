@@ -1,7 +1,7 @@
 //! Drift of noise in a loop: by whole periods of the noise where that changes speeds little, else in two phases
 //! (`glsl/phases/two.glsl`).
 
-use crate::scene::header::header;
+use crate::scene::rules::header::header;
 use crate::scene::{ParameterValue, Repeat, Scene, Wrap};
 use crate::shader::declare::ParameterKind;
 use crate::shader::drift::Drift;

@@ -1,9 +1,9 @@
 //! Scene files: TOML; unknown fields are errors with line and nearest name.
 
-use super::error::reason;
 use super::field::flatten;
 use super::schema::{Kind, Setting, setting};
-use super::{FieldId, Reach, Scene, SceneError, preset_texts};
+use crate::scene::error::reason;
+use crate::scene::{FieldId, Reach, Scene, SceneError, preset_texts};
 use crate::shape::BUILT_IN;
 use hypertexture_support::open;
 use std::collections::BTreeSet;
@@ -247,13 +247,13 @@ mod tests {
     fn a_file_goes_over_its_preset() {
         let scene = parse("preset = \"fur\"\n[parameters]\nfineness = 60\n", "x.toml").unwrap();
         let fur = preset("fur").unwrap();
-        assert_eq!(scene.parameters["fineness"], super::super::ParameterValue::Number(60.0));
+        assert_eq!(scene.parameters["fineness"], crate::scene::ParameterValue::Number(60.0));
         assert_eq!(scene.effect, fur.effect);
     }
 
     #[test]
     fn a_saved_scene_reads_back_as_itself() {
-        for effect in super::super::EFFECTS {
+        for effect in crate::scene::EFFECTS {
             let mut scene = preset(effect).unwrap();
             scene.camera.clip = Some([0.0, 0.0, 1.0, 0.25]);
             scene.camera.rotation = Some([0.6, 0.0, 0.0, 0.8]);

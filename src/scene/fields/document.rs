@@ -1,7 +1,7 @@
 //! A scene and its small tables.
 
 use super::setting::{Changes, Leaf, choices, settings};
-use super::{Animation, Camera, Color, Effect, Light, Object, Part, Quality, Transfer};
+use crate::scene::{Animation, Camera, Color, Effect, Light, Object, Part, Quality, Transfer};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

@@ -1,9 +1,9 @@
 //! Fields of a scene by name, as for `--set`.
 
-use super::error::reason;
 use super::schema::{ChangeSet, Setting, float, setting};
 use super::setting::Node;
-use super::{FieldId, Scene, SceneError};
+use crate::scene::error::reason;
+use crate::scene::{FieldId, Scene, SceneError};
 use std::collections::BTreeMap;
 use std::fmt;
 use toml::{Table, Value};
@@ -53,7 +53,7 @@ impl Scene {
     }
 
     /// Sets a field or a table by its name, without a check of the value against its setting.
-    pub(super) fn insert(&mut self, name: &str, value: Option<Value>) -> Result<(), String> {
+    pub(in crate::scene) fn insert(&mut self, name: &str, value: Option<Value>) -> Result<(), String> {
         match FieldId::named(name) {
             Some(field) if !matches!(value, Some(Value::Table(_))) => {
                 self.set(&field, value.as_ref(), Scene::default).map_err(|error| reason(&error))
@@ -125,7 +125,7 @@ pub fn parse_value(text: &str) -> Value {
     parsed.and_then(|mut table| table.remove("value")).unwrap_or_else(|| text.into())
 }
 
-pub(super) fn flatten(prefix: &str, table: Table, fields: &mut Vec<(String, Value)>) {
+pub(in crate::scene) fn flatten(prefix: &str, table: Table, fields: &mut Vec<(String, Value)>) {
     for (name, value) in table {
         let name = if prefix.is_empty() { name } else { format!("{prefix}.{name}") };
         match value {

@@ -4,7 +4,7 @@
 //! `--set FIELD=VALUE` for one without a flag.
 
 use super::schema::{self, Kind, SETTINGS};
-use super::{Part, Scene, names as presets, parse_value, preset};
+use crate::scene::{Part, Scene, names as presets, parse_value, preset};
 use crate::shader::Library;
 use hypertexture_support::quoted;
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! The program of a scene: its entry files, and the modules of its slots.
 
 use super::header::header;
-use super::{Curve, EmptySpace, Integration, LightMethod, Pass, RayPath, Scene, Storage, TargetFormat};
+use crate::scene::{Curve, EmptySpace, Integration, LightMethod, Pass, RayPath, Scene, Storage, TargetFormat};
 use crate::shader::file::{Include, include};
 use crate::shader::slots::{GROOM, NONE, WIND};
 use crate::shader::{Library, Slots, tokens};

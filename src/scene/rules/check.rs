@@ -2,9 +2,9 @@
 
 use super::header::{declaring, header};
 use super::loops::{BENDING_LOOPS, BENDING_STEPS, LOOP_BUDGET, SHADOW_SAMPLES};
-use super::schema::{Changes, setting};
-use super::setting::Node;
-use super::{Integration, Jitter, Object, Parameters, Pass, RayPath, Repeat, Scene, SceneError, Storage};
+use crate::scene::fields::schema::{Changes, setting};
+use crate::scene::fields::setting::Node;
+use crate::scene::{Integration, Jitter, Object, Parameters, Pass, RayPath, Repeat, Scene, SceneError, Storage};
 use crate::shader::declare::Outside;
 use crate::shader::library::Library;
 use crate::shader::slots::{FORMULA, NONE};
@@ -347,7 +347,7 @@ impl Scene {
 }
 
 /// Checks that a value is in a range; NaN never is.
-pub(super) fn within(field: &str, value: f32, low: f32, high: f32) -> Result<(), SceneError> {
+pub(in crate::scene) fn within(field: &str, value: f32, low: f32, high: f32) -> Result<(), SceneError> {
     if (low..=high).contains(&value) {
         return Ok(());
     }
@@ -355,7 +355,7 @@ pub(super) fn within(field: &str, value: f32, low: f32, high: f32) -> Result<(),
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(in crate::scene) mod tests {
     use super::*;
     use crate::scene::{Color, ParameterValue, preset};
     use crate::shader;

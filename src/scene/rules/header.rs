@@ -1,23 +1,23 @@
 //! Properties of a scene that the headers of its modules determine.
 
-use super::{Integration, Pass, Scene, Storage};
+use crate::scene::{Integration, Pass, Scene, Storage};
 use crate::shader::declare::Outside;
 use crate::shader::{Declarations, DmfKind, Library};
 
 /// Declarations of a module. Empty if they are malformed, as the check of the scene reports.
-pub(super) fn header(library: &Library, slot: &str, module: &str) -> Declarations {
+pub(in crate::scene) fn header(library: &Library, slot: &str, module: &str) -> Declarations {
     library.header(slot, module).unwrap_or_default()
 }
 
 /// Names of the modules of a slot whose declarations satisfy a condition.
-pub(super) fn declaring(library: &Library, slot: &str, what: impl Fn(&Declarations) -> bool) -> String {
+pub(in crate::scene) fn declaring(library: &Library, slot: &str, what: impl Fn(&Declarations) -> bool) -> String {
     let modules = library.modules(slot);
     modules.into_iter().filter(|module| what(&header(library, slot, module))).collect::<Vec<_>>().join(" or ")
 }
 
 impl Scene {
     /// Whether nothing is visible beyond the soft region, so that rays may skip there.
-    pub(super) fn is_empty_outside(&self, library: &Library) -> bool {
+    pub(in crate::scene) fn is_empty_outside(&self, library: &Library) -> bool {
         let stops = &self.transfer.stops;
         let outside = stops.iter().rfind(|stop| stop.at <= 0.0).or(stops.first());
         match header(library, "classify", &self.effect.classify).outside {
@@ -39,7 +39,7 @@ impl Scene {
 
     /// Whether cells can prove more empty space than the distance: samples are points, and the density depends on more than
     /// the distance.
-    pub(super) fn has_cells(&self, library: &Library) -> bool {
+    pub(in crate::scene) fn has_cells(&self, library: &Library) -> bool {
         let effect = &self.effect;
         let by_distance = |dmf: &String| library.kind(dmf) == Ok(DmfKind::PositionIndependent);
         let moves = !effect.warp.is_empty() || !effect.dmf.iter().all(by_distance) || self.has_several();
@@ -60,7 +60,7 @@ impl Scene {
     }
 
     /// Whether all objects are dense volumes or formulas, as the proofs of empty cells require.
-    pub(super) fn is_plain(&self) -> bool {
+    pub(in crate::scene) fn is_plain(&self) -> bool {
         let is_whole = self.object.storage == Storage::Dense && self.quality.anisotropy <= 1.0;
         is_whole || self.object.is_formula() && !self.has_several()
     }

@@ -30,11 +30,11 @@ macro_rules! settings {
         #[allow(non_camel_case_types, reason = "the names are those of the fields")]
         pub enum $id { $(
             #[doc = $doc]
-            $field(<$type as $crate::scene::setting::Node>::Id),
+            $field(<$type as $crate::scene::fields::setting::Node>::Id),
         )+ }
 
         const _: () = {
-            use $crate::scene::setting::*;
+            use $crate::scene::fields::setting::*;
             use toml::Value;
 
             /// The setting of each field that is one.
@@ -132,7 +132,7 @@ macro_rules! choices {
             }
         }
 
-        impl $crate::scene::setting::Leaf for $enum {}
+        impl $crate::scene::fields::setting::Leaf for $enum {}
     };
 }
 

@@ -3,7 +3,9 @@
 //! Role: [`SETTINGS`] determines the ranges that scenes are checked by, the flags of the command line and their help, the
 //! controls of the window, the commands that it copies, the stages that a change rebuilds, and `docs/settings.md`.
 
-use super::{Animation, Camera, Effect, Light, Material, Object, Part, Picture, Quality, Scene, Transfer, Transform};
+use crate::scene::{
+    Animation, Camera, Effect, Light, Material, Object, Part, Picture, Quality, Scene, Transfer, Transform,
+};
 use std::sync::LazyLock;
 
 pub use super::setting::{ChangeSet, Changes, Filled, Flag, Kind, Range, Setting, Unit, float};

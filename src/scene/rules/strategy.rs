@@ -1,9 +1,9 @@
 //! Sources of noise and turbulence: layout of blocks, periods of lattices, and the scene without discretized noise.
 
-use super::Scene;
 use super::header::header;
-use super::setting::choices;
 use crate::noise::{Bake, Period};
+use crate::scene::Scene;
+use crate::scene::fields::setting::choices;
 use crate::shader::declare::Octaves;
 use crate::shader::{Library, LibraryError};
 
@@ -34,7 +34,7 @@ choices! {
 
 impl Repeat {
     /// The value with this name in the header of a module; `Own` for any other name.
-    pub(super) fn named(name: Option<&str>) -> Repeat {
+    pub(in crate::scene) fn named(name: Option<&str>) -> Repeat {
         name.and_then(|name| toml::Value::from(name).try_into().ok()).unwrap_or_default()
     }
 }

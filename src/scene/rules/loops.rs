@@ -1,11 +1,11 @@
 //! Estimates of the loop iterations of a fragment, against the limit of drivers (`docs/notes/drivers.md`).
 
 use super::header::header;
-use super::{Integration, Scene};
+use crate::scene::{Integration, Scene};
 use crate::shader::Library;
 
 /// Most loop iterations of a fragment, below the 65 535 after which lavapipe ends it silently.
-pub(super) const LOOP_BUDGET: f32 = 60_000.0;
+pub(in crate::scene) const LOOP_BUDGET: f32 = 60_000.0;
 /// Rays that lavapipe marches together at most. All of them wait for the one that finds matter.
 const LANES: f32 = 8.0;
 /// Most samples of a fragment of the shadow volume: four segments of 16.
@@ -13,9 +13,9 @@ pub(crate) const SHADOW_SAMPLES: u32 = 4 * 16;
 /// Iterations of a segment, which has up to four places.
 const SEGMENT_LOOPS: f32 = 4.0;
 /// Iterations of each step of a bent ray: the step, and three gradients of three differences each.
-pub(super) const BENDING_LOOPS: f32 = 1.0 + 3.0 * 3.0;
+pub(in crate::scene) const BENDING_LOOPS: f32 = 1.0 + 3.0 * 3.0;
 /// Steps of a bent ray: for each sample, and in all to locate its interfaces (`refract.frag`).
-pub(super) const BENDING_STEPS: [f32; 2] = [3.0, 24.0 * (14.0 + 1.0)];
+pub(in crate::scene) const BENDING_STEPS: [f32; 2] = [3.0, 24.0 * (14.0 + 1.0)];
 
 /// Most iterations that look for surfaces between samples, besides one for each sample: `MOST_TURNS` of `step_back.glsl` and
 /// those of the last step, once for each ray that waits.
@@ -34,12 +34,12 @@ impl Scene {
     }
 
     /// Whether noise or turbulence has a loop.
-    pub(super) fn has_noise_loops(&self, library: &Library) -> bool {
+    pub(in crate::scene) fn has_noise_loops(&self, library: &Library) -> bool {
         self.noise_loops(library) > 1.0 || self.octave_loops(library) > 0.0
     }
 
     /// Most iterations of the noise of all objects at a sample.
-    pub(super) fn procedural_loops(&self, library: &Library) -> f32 {
+    pub(in crate::scene) fn procedural_loops(&self, library: &Library) -> f32 {
         self.object_loops(library)
             + self.parts.keys().map(|name| self.part_as_scene(name).object_loops(library)).sum::<f32>()
     }
@@ -65,12 +65,12 @@ impl Scene {
     }
 
     /// Iterations left for the samples of a ray after the tests between them.
-    pub(super) fn loop_budget(&self, library: &Library) -> f32 {
+    pub(in crate::scene) fn loop_budget(&self, library: &Library) -> f32 {
         LOOP_BUDGET - SURFACE_SEARCHES * self.between_samples_loops(library)
     }
 
     /// Most iterations of a sample.
-    pub(super) fn sample_loops(&self, library: &Library) -> f32 {
+    pub(in crate::scene) fn sample_loops(&self, library: &Library) -> f32 {
         let noise = if self.has_noise_loops(library) { self.procedural_loops(library) } else { 1.0 };
         match self.quality.integration {
             Integration::Point if self.looks_back(library) => noise + self.between_samples_loops(library),
@@ -108,7 +108,7 @@ impl Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::check::tests::refusal;
+    use crate::scene::rules::check::tests::refusal;
     use crate::scene::{Part, Pass, TargetFormat};
     use crate::shader;
 

@@ -1,6 +1,6 @@
 //! Files of a scene, and which of them it may name.
 
-use super::{GLSL, Scene, SceneError};
+use crate::scene::{GLSL, Scene, SceneError};
 use hypertexture_support::open::Home;
 use std::path::{Path, PathBuf};
 
