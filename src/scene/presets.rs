@@ -2,6 +2,8 @@
 
 use super::preset_texts::{names, text};
 use super::{Scene, SceneError, parse};
+use std::collections::BTreeMap;
+use std::sync::{LazyLock, OnceLock};
 
 /// The six effects of MJ Fig. 7, in its order.
 pub const EFFECTS: [&str; 6] = ["lit", "solid", "bump", "fur", "melting", "fire"];
@@ -11,7 +13,14 @@ pub const EFFECTS: [&str; 6] = ["lit", "solid", "bump", "fur", "melting", "fire"
 /// # Errors
 /// [`SceneError::Name`] with the nearest name and all of them.
 pub fn preset(name: &str) -> Result<Scene, SceneError> {
-    parse(text(name)?, &format!("preset {name}"))
+    static PARSED: LazyLock<BTreeMap<&str, OnceLock<Scene>>> =
+        LazyLock::new(|| names().map(|name| (name, OnceLock::new())).collect());
+    let (text, parsed) = (text(name)?, &PARSED[name]);
+    if let Some(scene) = parsed.get() {
+        return Ok(scene.clone());
+    }
+    let scene = parse(text, &format!("preset {name}"))?;
+    Ok(parsed.get_or_init(|| scene).clone())
 }
 
 /// The preset with the fewest differences from a scene, with the input and additional objects of the scene. The base for
