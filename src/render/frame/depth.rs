@@ -50,16 +50,24 @@ pub(crate) fn by_rays(scene: &Scene) -> Result<Scene, RenderError> {
     Ok(scene)
 }
 
+/// A variant whose scene has one straight ray for each pixel.
+///
+/// # Errors
+/// As [`check_depth`].
+pub(crate) fn variant_by_rays(variant: &Variant, library: &Library) -> Result<Variant, RenderError> {
+    let scene = Variant::of(&by_rays(&variant.scene)?, library)?.scene;
+    Ok(Variant { scene, ..variant.clone() })
+}
+
 impl Depth {
-    /// Links and compiles the program, unless `made` serves, which belongs to a scene with as many octaves.
+    /// Links and compiles the program of a variant [by rays](variant_by_rays), unless `made` serves, which belongs to a scene
+    /// with as many octaves.
     pub(crate) fn new(
         gpu: &Gpu,
         library: &Library,
         variant: &Variant,
         made: Option<Depth>,
     ) -> Result<Depth, RenderError> {
-        let scene = Variant::of(&by_rays(&variant.scene)?, library)?.scene;
-        let variant = Variant { scene, ..variant.clone() };
         let program = variant.for_purpose(Purpose::Depth, library)?.program(library, Linker::new)?;
         if let Some(made) = made.filter(|made| made.program == program) {
             return Ok(made);

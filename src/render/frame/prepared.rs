@@ -1,7 +1,7 @@
 //! Resources shared by the pictures of a scene, and the frame pipeline.
 
 use super::bind::BoundInputs;
-use super::depth::Depth;
+use super::depth::{Depth, variant_by_rays};
 use super::destination::{Destination, targets};
 use super::early_exit::OpaqueMask;
 use super::half_angle::{HalfAngle, Slices};
@@ -137,7 +137,7 @@ impl Prepared {
             .transpose()?;
         let half_angle = scene.is_half_angle().then(|| HalfAngle::new(gpu, library, &variant, half_angle));
         if let Destination::Host { has_depth: true, .. } = destination {
-            depth = Some(Depth::new(gpu, library, &variant, depth)?);
+            depth = Some(Depth::new(gpu, library, &variant_by_rays(&variant, library)?, depth)?);
         }
         let pipelines = Pipelines { shape, picture, caster, half_angle: half_angle.transpose()?, depth, budget };
         compile_ms += pipeline_start.elapsed().as_secs_f64() * 1e3;
