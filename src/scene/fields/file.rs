@@ -178,6 +178,10 @@ mod tests {
         assert!(error.starts_with("x.toml:3: unknown field `sample`"), "{error}");
         assert!(error.ends_with("did you mean `samples`?"), "{error}");
         assert!(!error.contains('\n'));
+        for (former, text) in [("source", "[object]\nsource = 'auto'"), ("neutral", "[quality]\nneutral = 'keep'")] {
+            let error = parse(text, "x.toml").unwrap_err().to_string();
+            assert!(error.starts_with(&format!("x.toml:2: unknown field `{former}`, expected one of")), "{error}");
+        }
     }
 
     #[test]
