@@ -1,6 +1,6 @@
 //! Colors: sRGB in files, linear in computations.
 
-use super::fields::setting::Leaf;
+use super::fields::setting::{Leaf, Moment};
 use serde::{Deserialize, Serialize};
 
 /// A color, written `#rrggbb` in sRGB.
@@ -15,7 +15,12 @@ impl Color {
     }
 }
 
-impl Leaf for Color {}
+impl Leaf for Color {
+    fn at(moment: Moment<'_>) -> Option<Color> {
+        let code = |linear: f64| (linear_to_srgb(linear.clamp(0.0, 1.0) as f32) * 255.0).round() as u8;
+        if let Moment::Color(linear) = moment { Some(Color(linear.map(code))) } else { None }
+    }
+}
 
 impl TryFrom<String> for Color {
     type Error = String;

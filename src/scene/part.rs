@@ -1,7 +1,7 @@
 //! Additional objects of a scene, each with its own effect, and their combination.
 
 use super::fields::schema::{self, ChangeSet, Changes, Filled, Setting};
-use super::fields::setting::{Node, push_name, settings};
+use super::fields::setting::{Moment, Node, push_name, settings};
 use super::{Effect, Integration, Material, Object, ParameterValue, Scene, SceneError, Storage, Transfer};
 use crate::shader::slots::{FORMULA, MAIN};
 use crate::shader::{Formula, FormulaError, Library, Slots};
@@ -79,6 +79,10 @@ impl Node for BTreeMap<String, Part> {
         part.set(below, value, Part::default)?;
         self.insert(name.clone(), part);
         Ok(())
+    }
+
+    fn animate(&mut self, (name, below): &(String, PartField), moment: Moment<'_>, _: Option<&Setting>) -> bool {
+        self.get_mut(name).is_some_and(|part| part.animate(below, moment, None))
     }
 
     fn changes(&self, other: &Self, _: Option<&Setting>) -> ChangeSet {

@@ -12,8 +12,8 @@ pub(crate) use repeat::Looped;
 pub use track::Track;
 
 use super::fields::schema::{self, ChangeSet, Changes, Kind, Setting, Unit, setting};
-use super::fields::setting::{Leaf, Node, number, push_name};
-use super::{ParameterValue, Scene, SceneError, parameters};
+use super::fields::setting::{Leaf, Moment, Node, number, push_name};
+use super::{FieldId, ParameterValue, Scene, SceneError, parameters};
 use crate::shader::Declarations;
 use serde::de::Error;
 use serde::{Deserialize, Serialize};
@@ -198,6 +198,10 @@ impl Node for Animation {
         Ok(())
     }
 
+    fn animate(&mut self, _: &AnimationField, _: Moment<'_>, _: Option<&Setting>) -> bool {
+        false // nothing moves a track
+    }
+
     fn changes(&self, other: &Animation, _: Option<&Setting>) -> ChangeSet {
         if self == other { ChangeSet::default() } else { ChangeSet::of(&[Changes::Images]) }
     }
@@ -247,16 +251,20 @@ impl Scene {
         still.camera.time = time;
         for (field, track) in tracks {
             let name = format!("{TABLE}.{field}");
-            let found = setting(field);
-            let is_whole = found.is_some_and(|setting| matches!(setting.kind, Kind::Whole(_)));
-            let mut value = track.value(&name, time, *period)?;
-            if let (true, Value::Float(number)) = (is_whole, &value) {
+            let (form, mut numbers) = track.at(&name, time, *period)?;
+            if field == "camera.rotation" {
+                to_unit(&mut numbers);
+            }
+            let own = FieldId::named(field);
+            if own.is_some_and(|own| still.animate(&own, form.moment(&numbers), None)) {
+                continue;
+            }
+            // The field does not take the value.
+            let mut value = form.value(&numbers);
+            if let (Some(Kind::Whole(_)), Value::Float(number)) = (setting(field).map(|own| own.kind), &value) {
                 value = Value::Integer(number.round() as i64);
             }
-            if field == "camera.rotation" {
-                value = unit(&value);
-            }
-            let check = found.map_or(Ok(()), |setting| setting.check(&name, &value));
+            let check = setting(field).map_or(Ok(()), |setting| setting.check(&name, &value));
             check.map_err(|error| at_time(error, time))?;
             still.insert(field, Some(value)).map_err(|limit| SceneError::value(TABLE, "", limit))?;
         }
@@ -317,11 +325,10 @@ fn at_time(error: SceneError, time: f64) -> SceneError {
     }
 }
 
-/// Numbers with the sum of squares 1.
-fn unit(value: &Value) -> Value {
-    let numbers: Vec<f64> = value.as_array().into_iter().flatten().filter_map(Value::as_float).collect();
+/// Scales numbers to the sum of squares 1.
+fn to_unit(numbers: &mut [f64]) {
     let length = numbers.iter().map(|number| number * number).sum::<f64>().sqrt();
-    numbers.into_iter().map(|number| Value::Float(number / length)).collect::<Vec<_>>().into()
+    numbers.iter_mut().for_each(|number| *number /= length);
 }
 
 #[cfg(test)]

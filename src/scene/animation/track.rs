@@ -1,7 +1,8 @@
 //! The motion of one field.
 
 use super::keys::{Curve, Key};
-use crate::scene::{Color, SceneError, linear_to_srgb};
+use crate::scene::fields::setting::{Leaf, Moment};
+use crate::scene::{Color, SceneError};
 use toml::Value;
 
 /// Longest expression, since its parser recurses.
@@ -20,10 +21,33 @@ pub enum Track {
 
 /// Form of a value.
 #[derive(Clone, Copy, PartialEq)]
-enum Form {
+pub(super) enum Form {
     Number,
     Numbers,
+    /// A color in linear light.
     Color,
+}
+
+impl Form {
+    /// Numbers of this form.
+    pub(super) fn moment(self, numbers: &[f64]) -> Moment<'_> {
+        match (self, numbers) {
+            (Form::Number, &[number]) => Moment::Number(number),
+            (Form::Color, &[r, g, b]) => Moment::Color([r, g, b]),
+            _ => Moment::Numbers(numbers),
+        }
+    }
+
+    /// Numbers of this form as a file has them.
+    pub(super) fn value(self, numbers: &[f64]) -> Value {
+        match self.moment(numbers) {
+            Moment::Number(number) => number.into(),
+            Moment::Numbers(numbers) => numbers.to_vec().into(),
+            color @ Moment::Color(_) => {
+                Color::at(color).map_or(Value::Boolean(false), |color| String::from(color).into())
+            }
+        }
+    }
 }
 
 impl TryFrom<Value> for Track {
@@ -67,7 +91,7 @@ impl From<Track> for Value {
 impl Track {
     /// Checks keyframes and expressions of the track `name`.
     pub(super) fn check(&self, name: &str, period: Option<f64>) -> Result<(), SceneError> {
-        let Track::Keys(keys) = self else { return self.value(name, 0.0, period).map(drop) };
+        let Track::Keys(keys) = self else { return self.at(name, 0.0, period).map(drop) };
         let fail = |time: f64, limit: String| Err(SceneError::value(format!("{name}.time"), time, limit));
         let last = period.unwrap_or(FARTHEST);
         let first = if period.is_some() { 0.0 } else { -FARTHEST };
@@ -96,40 +120,28 @@ impl Track {
         }
     }
 
-    /// Value of the track `name` at a time.
-    pub(super) fn value(&self, name: &str, time: f64, period: Option<f64>) -> Result<Value, SceneError> {
-        match self {
-            Track::Keys(keys) => {
-                let mut form = Form::Number;
-                let ends = |key: &&Key| period.is_none_or(|period| key.time < period || keys[0].time > 0.0);
-                let knots: Vec<_> = keys
-                    .iter()
-                    .filter(ends) // the keyframe at the end of a loop is that of its beginning
-                    .filter_map(|key| {
-                        let (own, numbers) = numbers(&key.value)?;
-                        form = own;
-                        Some((key.time, key.ease, numbers))
-                    })
-                    .collect();
-                let mut numbers = Curve { knots: &knots, period }.at(time).into_iter();
-                Ok(match form {
-                    Form::Number => numbers.next().map_or(Value::Float(0.0), Value::Float),
-                    Form::Numbers => Value::Array(numbers.map(Value::Float).collect()),
-                    Form::Color => {
-                        let code = |linear: f64| (linear_to_srgb(linear.clamp(0.0, 1.0) as f32) * 255.0).round() as u8;
-                        let mut next = || numbers.next().map_or(0, code);
-                        String::from(Color([next(), next(), next()])).into()
-                    }
-                })
-            }
+    /// Form and numbers of the track `name` at a time.
+    pub(super) fn at(&self, name: &str, time: f64, period: Option<f64>) -> Result<(Form, Vec<f64>), SceneError> {
+        let keys = match self {
+            Track::Keys(keys) => keys,
             Track::Expressions(texts) => {
-                let mut values = texts.iter().map(|text| Ok(Value::Float(evaluate(name, text, time)?)));
-                match texts.len() {
-                    1 => values.next().unwrap_or(Ok(Value::Float(0.0))),
-                    _ => Ok(Value::Array(values.collect::<Result<_, SceneError>>()?)),
-                }
+                let form = if texts.len() == 1 { Form::Number } else { Form::Numbers };
+                let numbers = texts.iter().map(|text| evaluate(name, text, time)).collect::<Result<_, _>>()?;
+                return Ok((form, numbers));
             }
-        }
+        };
+        let mut form = Form::Number;
+        let ends = |key: &&Key| period.is_none_or(|period| key.time < period || keys[0].time > 0.0);
+        let knots: Vec<_> = keys
+            .iter()
+            .filter(ends) // the keyframe at the end of a loop is that of its beginning
+            .filter_map(|key| {
+                let (own, numbers) = numbers(&key.value)?;
+                form = own;
+                Some((key.time, key.ease, numbers))
+            })
+            .collect();
+        Ok((form, Curve { knots: &knots, period }.at(time)))
     }
 }
 

@@ -1,6 +1,6 @@
 //! A scene and its small tables.
 
-use super::setting::{Changes, Leaf, choices, settings};
+use super::setting::{Changes, Leaf, Moment, choices, settings};
 use crate::scene::{Animation, Camera, Color, Effect, Light, Object, Part, Quality, Transfer};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -64,6 +64,14 @@ choices! {
 
 impl Leaf for ParameterValue {
     const CHANGES: Changes = Changes::Picture;
+
+    fn at(moment: Moment<'_>) -> Option<ParameterValue> {
+        match moment {
+            Moment::Number(number) => Some(ParameterValue::Number(number as f32)),
+            Moment::Color(_) => Color::at(moment).map(ParameterValue::Color),
+            Moment::Numbers(_) => None,
+        }
+    }
 }
 
 /// The value of a parameter in a scene file.

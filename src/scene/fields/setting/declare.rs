@@ -92,6 +92,14 @@ macro_rules! settings {
                     )+ }
                 }
 
+                fn animate(&mut self, id: &$id, moment: Moment<'_>, _: Option<&Setting>) -> bool {
+                    match id { $(
+                        $id::$field(below) => {
+                            <$type as Node>::animate(&mut self.$field, below, moment, TABLE.$field.as_ref())
+                        }
+                    )+ }
+                }
+
                 fn changes(&self, other: &$table, _: Option<&Setting>) -> ChangeSet {
                     ChangeSet::default()
                         $(.with(<$type as Node>::changes(&self.$field, &other.$field, TABLE.$field.as_ref())))+

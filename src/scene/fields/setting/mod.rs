@@ -8,6 +8,6 @@ mod value;
 pub(crate) use declare::{choices, settings};
 pub use kind::{ChangeSet, Changes, Filled, Flag, Kind, Range, Setting, Unit};
 pub(crate) use kind::{number, numbers, whole, wholes};
-pub use node::{Leaf, Node};
+pub use node::{Leaf, Moment, Node};
 pub(crate) use node::{of, only, push_name};
 pub use value::float;

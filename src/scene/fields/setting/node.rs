@@ -36,11 +36,25 @@ pub trait Node: Sized {
     /// The field does not take the value; it keeps the present one.
     fn set(&mut self, id: &Self::Id, value: Option<&Value>, default: fn() -> Self) -> Result<(), toml::de::Error>;
 
+    /// Sets a field to what a track has at a time; `setting` is that of a value. Returns whether the field takes it.
+    fn animate(&mut self, id: &Self::Id, moment: Moment<'_>, setting: Option<&Setting>) -> bool;
+
     /// Stages of the renderer that the differences from another node concern; `setting` is that of a value.
     fn changes(&self, other: &Self, setting: Option<&Setting>) -> ChangeSet;
 
     /// Whether all values are allowed by their settings; `setting` is that of a value.
     fn is_valid(&self, setting: Option<&Setting>) -> bool;
+}
+
+/// Numbers of a track at a time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Moment<'a> {
+    /// A number.
+    Number(f64),
+    /// A list of numbers.
+    Numbers(&'a [f64]),
+    /// A color in linear light.
+    Color([f64; 3]),
 }
 
 /// The type of a value of a scene.
@@ -56,6 +70,11 @@ pub trait Leaf: Clone + Debug + PartialEq + Serialize + DeserializeOwned {
     /// Whether a setting of this kind allows the value.
     fn is_allowed(&self, _: &Kind) -> bool {
         true
+    }
+
+    /// The value of a track at a time, if the type has such a value.
+    fn at(_: Moment<'_>) -> Option<Self> {
+        None
     }
 }
 
@@ -85,6 +104,12 @@ impl<T: Leaf> Node for T {
     fn set(&mut self, (): &(), value: Option<&Value>, default: fn() -> T) -> Result<(), toml::de::Error> {
         *self = value.map_or_else(|| Ok(default()), |value| value.clone().try_into())?;
         Ok(())
+    }
+
+    fn animate(&mut self, (): &(), moment: Moment<'_>, setting: Option<&Setting>) -> bool {
+        let Some(value) = T::at(moment).filter(|value| value.is_valid(setting)) else { return false };
+        *self = value;
+        true
     }
 
     fn changes(&self, other: &T, setting: Option<&Setting>) -> ChangeSet {
@@ -129,6 +154,10 @@ impl<T: Leaf> Node for BTreeMap<String, T> {
             None => drop(self.remove(id)),
         }
         Ok(())
+    }
+
+    fn animate(&mut self, id: &String, moment: Moment<'_>, _: Option<&Setting>) -> bool {
+        T::at(moment).map(|value| self.insert(id.clone(), value)).is_some()
     }
 
     fn changes(&self, other: &Self, _: Option<&Setting>) -> ChangeSet {
@@ -180,11 +209,19 @@ impl Leaf for f32 {
     fn is_allowed(&self, kind: &Kind) -> bool {
         is_in_range(kind, *self)
     }
+
+    fn at(moment: Moment<'_>) -> Option<f32> {
+        if let Moment::Number(number) = moment { Some(number as f32) } else { None }
+    }
 }
 
 impl Leaf for f64 {
     fn is_allowed(&self, kind: &Kind) -> bool {
         is_in_range(kind, *self as f32)
+    }
+
+    fn at(moment: Moment<'_>) -> Option<f64> {
+        if let Moment::Number(number) = moment { Some(number) } else { None }
     }
 }
 
@@ -192,14 +229,30 @@ impl Leaf for u32 {
     fn is_allowed(&self, kind: &Kind) -> bool {
         is_in_range(kind, *self as f32)
     }
+
+    fn at(moment: Moment<'_>) -> Option<u32> {
+        let Moment::Number(number) = moment else { return None };
+        let whole = number.round();
+        (0.0..=f64::from(u32::MAX)).contains(&whole).then_some(whole as u32)
+    }
 }
 
-impl<T: Leaf + Copy, const COUNT: usize> Leaf for [T; COUNT]
+impl<T: Leaf + Copy + Default, const COUNT: usize> Leaf for [T; COUNT]
 where
     [T; COUNT]: Serialize + DeserializeOwned,
 {
     fn is_allowed(&self, kind: &Kind) -> bool {
         self.iter().all(|number| number.is_allowed(kind))
+    }
+
+    fn at(moment: Moment<'_>) -> Option<[T; COUNT]> {
+        let Moment::Numbers(numbers) = moment else { return None };
+        let numbers = <[f64; COUNT]>::try_from(numbers).ok()?;
+        let mut values = [T::default(); COUNT];
+        for (value, number) in values.iter_mut().zip(numbers) {
+            *value = T::at(Moment::Number(number))?;
+        }
+        Some(values)
     }
 }
 
@@ -210,5 +263,9 @@ impl<T: Leaf> Leaf for Option<T> {
 
     fn is_allowed(&self, kind: &Kind) -> bool {
         self.as_ref().is_none_or(|value| value.is_allowed(kind))
+    }
+
+    fn at(moment: Moment<'_>) -> Option<Option<T>> {
+        T::at(moment).map(Some)
     }
 }
