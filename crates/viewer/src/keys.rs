@@ -1,142 +1,137 @@
 //! Table of the keys and of the mouse, for handling and for the help.
 
+use crate::command::Command;
 use egui::{Context, Event, FocusDirection, Id, Key, Modifiers, Popup};
 
-/// The effect of a key.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Action {
-    New,
-    Open,
-    Save,
-    SaveAs,
-    Export,
-    Quit,
-    Undo,
-    Redo,
-    Duplicate,
-    Delete,
-    Place,
-    Paint,
-    Weaker,
-    Stronger,
-    Frame,
-    Reset,
-    Side(usize),
-    Level,
-    Inertia,
-    Panels,
-    Controls,
-    FullScreen,
-    Play,
-    Previous,
-    Next,
-    Screenshot,
-    Record,
-    Compare,
-    Look,
-    Inspect,
-    Worst,
-    Validity,
-    Help,
-    Lesson,
-    Leave,
-}
-
-/// A key, its name, its effect, its label in a menu and its description.
+/// A key, its name, its command, its label in a menu and its description.
 pub(super) struct Binding {
     pub(super) key: Key,
     pub(super) modifiers: Modifiers,
     pub(super) name: &'static str,
-    pub(super) action: Action,
+    pub(super) command: Command,
     pub(super) label: &'static str,
-    pub(super) what: &'static str,
+    pub(super) doc: &'static str,
 }
 
-const fn plain(key: Key, name: &'static str, action: Action, label: &'static str, what: &'static str) -> Binding {
-    Binding { key, modifiers: Modifiers::NONE, name, action, label, what }
+const NONE: Modifiers = Modifiers::NONE;
+const SHIFT: Modifiers = Modifiers::SHIFT;
+const CTRL: Modifiers = Modifiers::COMMAND;
+const CTRL_SHIFT: Modifiers = Modifiers { shift: true, ..CTRL };
+
+/// A listed key.
+const fn key(
+    modifiers: Modifiers,
+    key: Key,
+    name: &'static str,
+    command: Command,
+    label: &'static str,
+    doc: &'static str,
+) -> Binding {
+    Binding { key, modifiers, name, command, label, doc }
 }
 
-const fn command(key: Key, name: &'static str, action: Action, label: &'static str, what: &'static str) -> Binding {
-    Binding { modifiers: Modifiers::COMMAND, ..plain(key, name, action, label, what) }
+/// Another key of a command, which is not listed.
+const fn alias(modifiers: Modifiers, key: Key, name: &'static str, command: Command) -> Binding {
+    Binding { key, modifiers, name, command, label: "", doc: "" }
 }
 
-/// The same key with Shift.
-const fn shifted(binding: Binding) -> Binding {
-    let modifiers = Modifiers { shift: true, ..binding.modifiers };
-    Binding { modifiers, ..binding }
-}
-
-/// All keys. Only the first one of an action has a label and is listed.
+/// All keys. Only the first one of a command has a label and is listed.
 pub(super) const KEYS: &[Binding] = &[
-    command(Key::N, "Ctrl+N", Action::New, "New", "a new scene"),
-    command(Key::O, "Ctrl+O", Action::Open, "Open...", "open a scene, a mesh, a scan or a module"),
-    command(Key::S, "Ctrl+S", Action::Save, "Save", "save the scene"),
-    shifted(command(Key::S, "Ctrl+Shift+S", Action::SaveAs, "Save as...", "save the scene as another file")),
-    command(
+    key(CTRL, Key::N, "Ctrl+N", Command::New, "New", "a new scene"),
+    key(CTRL, Key::O, "Ctrl+O", Command::ChooseFile, "Open...", "open a scene, a mesh, a scan or a module"),
+    key(CTRL, Key::S, "Ctrl+S", Command::Save, "Save", "save the scene"),
+    key(CTRL_SHIFT, Key::S, "Ctrl+Shift+S", Command::SaveAs, "Save as...", "save the scene as another file"),
+    key(
+        CTRL,
         Key::E,
         "Ctrl+E",
-        Action::Export,
+        Command::Export,
         "Export...",
         "write a final picture, a sequence, a video, a mesh, a volume or a page",
     ),
-    command(Key::Q, "Ctrl+Q", Action::Quit, "Quit", "close the window"),
-    command(Key::Z, "Ctrl+Z or Z", Action::Undo, "Undo", "undo"),
-    plain(Key::Z, "Z", Action::Undo, "", ""),
-    shifted(command(Key::Z, "Ctrl+Shift+Z or Y", Action::Redo, "Redo", "redo")),
-    command(Key::Y, "Ctrl+Y", Action::Redo, "", ""),
-    plain(Key::Y, "Y", Action::Redo, "", ""),
-    shifted(plain(Key::D, "Shift+D", Action::Duplicate, "Duplicate", "duplicate the selected object")),
-    plain(Key::Delete, "Delete", Action::Delete, "Delete", "remove the selected keyframe, else the selected object"),
-    plain(
+    key(CTRL, Key::Q, "Ctrl+Q", Command::AskToQuit, "Quit", "close the window"),
+    key(CTRL, Key::Z, "Ctrl+Z or Z", Command::Undo, "Undo", "undo"),
+    alias(NONE, Key::Z, "Z", Command::Undo),
+    key(CTRL_SHIFT, Key::Z, "Ctrl+Shift+Z or Y", Command::Redo, "Redo", "redo"),
+    alias(CTRL, Key::Y, "Ctrl+Y", Command::Redo),
+    alias(NONE, Key::Y, "Y", Command::Redo),
+    key(SHIFT, Key::D, "Shift+D", Command::Duplicate, "Duplicate", "duplicate the selected object"),
+    key(
+        NONE,
+        Key::Delete,
+        "Delete",
+        Command::Delete,
+        "Delete",
+        "remove the selected keyframe, else the selected object",
+    ),
+    key(
+        NONE,
         Key::G,
         "G",
-        Action::Place,
+        Command::Place,
         "Place",
         "place the selected object, else the light, by drags and typed numbers, or stop",
     ),
-    plain(Key::B, "B", Action::Paint, "Brush", "paint the groom with the brush, or stop"),
-    plain(Key::OpenBracket, "[ and ]", Action::Weaker, "Weaker brush", "a weaker brush, a stronger one"),
-    plain(Key::CloseBracket, "]", Action::Stronger, "", ""),
-    plain(Key::Period, ".", Action::Frame, "Frame", "frame the selected object, else all"),
-    plain(Key::R, "R or Home", Action::Reset, "Reset", "reset the view"),
-    plain(Key::Home, "Home", Action::Reset, "", ""),
-    plain(Key::Num1, "1, 2, 3", Action::Side(0), "Front", "look from the front, from the right, from the top"),
-    plain(Key::Num2, "2", Action::Side(1), "", ""),
-    plain(Key::Num3, "3", Action::Side(2), "", ""),
-    plain(Key::O, "O", Action::Level, "Level orbit", "orbit level, or as a trackball"),
-    plain(Key::I, "I", Action::Inertia, "Inertia", "inertia of the trackball"),
-    plain(
+    key(NONE, Key::B, "B", Command::Paint, "Brush", "paint the groom with the brush, or stop"),
+    key(NONE, Key::OpenBracket, "[ and ]", Command::WeakerBrush, "Weaker brush", "a weaker brush, a stronger one"),
+    alias(NONE, Key::CloseBracket, "]", Command::StrongerBrush),
+    key(NONE, Key::Period, ".", Command::Frame, "Frame", "frame the selected object, else all"),
+    key(NONE, Key::R, "R or Home", Command::ResetCamera, "Reset", "reset the view"),
+    alias(NONE, Key::Home, "Home", Command::ResetCamera),
+    key(NONE, Key::Num1, "1, 2, 3", Command::Side(0), "Front", "look from the front, from the right, from the top"),
+    alias(NONE, Key::Num2, "2", Command::Side(1)),
+    alias(NONE, Key::Num3, "3", Command::Side(2)),
+    key(NONE, Key::O, "O", Command::LevelOrbit, "Level orbit", "orbit level, or as a trackball"),
+    key(NONE, Key::I, "I", Command::Inertia, "Inertia", "inertia of the trackball"),
+    key(
+        NONE,
         Key::Tab,
         "Tab",
-        Action::Panels,
+        Command::Panels,
         "Hide panels",
         "hide the panels, or show them; among controls, the next one",
     ),
-    plain(
+    key(
+        NONE,
         Key::F6,
         "F6",
-        Action::Controls,
+        Command::FocusControls,
         "Focus controls",
         "move the focus to the controls: Tab, arrows, Space; Esc leaves them",
     ),
-    plain(Key::F, "F", Action::FullScreen, "Full screen", "full screen"),
-    plain(Key::Space, "Space", Action::Play, "Play", "play or pause"),
-    plain(Key::ArrowLeft, "Left", Action::Previous, "Previous preset", "the previous preset"),
-    plain(Key::ArrowRight, "Right", Action::Next, "Next preset", "the next preset"),
-    plain(Key::S, "S", Action::Screenshot, "Write picture", "write the picture, in the size of the scene (Picture)"),
-    plain(Key::T, "T", Action::Record, "Turntable", "write the pictures of a turntable, or stop"),
-    plain(Key::C, "C", Action::Compare, "Compare", "pin this variant and compare with it, or stop"),
-    plain(Key::D, "D", Action::Look, "Next comparison", "display of two variants: wipe, difference, one, the other"),
-    plain(Key::P, "P", Action::Inspect, "Inspect pixel", "inspect the pixel under the pointer, or stop"),
-    plain(Key::W, "W", Action::Worst, "Worst pixel", "jump to the next of the worst pixels"),
-    plain(Key::V, "V", Action::Validity, "Validity", "color invalid pixels, or stop"),
-    plain(Key::Questionmark, "? or H", Action::Help, "Keys", "this list"),
-    plain(Key::H, "H", Action::Help, "", ""),
-    plain(Key::L, "L", Action::Lesson, "How it works", "how it works: slices, soft regions, turbulence"),
-    plain(
+    key(NONE, Key::F, "F", Command::FullScreen, "Full screen", "full screen"),
+    key(NONE, Key::Space, "Space", Command::Play, "Play", "play or pause"),
+    key(NONE, Key::ArrowLeft, "Left", Command::PreviousPreset, "Previous preset", "the previous preset"),
+    key(NONE, Key::ArrowRight, "Right", Command::NextPreset, "Next preset", "the next preset"),
+    key(
+        NONE,
+        Key::S,
+        "S",
+        Command::WritePicture,
+        "Write picture",
+        "write the picture, in the size of the scene (Picture)",
+    ),
+    key(NONE, Key::T, "T", Command::Turntable, "Turntable", "write the pictures of a turntable, or stop"),
+    key(NONE, Key::C, "C", Command::Compare, "Compare", "pin this variant and compare with it, or stop"),
+    key(
+        NONE,
+        Key::D,
+        "D",
+        Command::NextComparison,
+        "Next comparison",
+        "display of two variants: wipe, difference, one, the other",
+    ),
+    key(NONE, Key::P, "P", Command::InspectPixel, "Inspect pixel", "inspect the pixel under the pointer, or stop"),
+    key(NONE, Key::W, "W", Command::WorstPixel, "Worst pixel", "jump to the next of the worst pixels"),
+    key(NONE, Key::V, "V", Command::Validity, "Validity", "color invalid pixels, or stop"),
+    key(NONE, Key::Questionmark, "? or H", Command::Help, "Keys", "this list"),
+    alias(NONE, Key::H, "H", Command::Help),
+    key(NONE, Key::L, "L", Command::Lesson, "How it works", "how it works: slices, soft regions, turbulence"),
+    key(
+        NONE,
         Key::Escape,
         "Esc",
-        Action::Leave,
+        Command::Leave,
         "Leave",
         "leave the text field, this list, the brush, full screen; then the window",
     ),
@@ -190,33 +185,33 @@ fn is_of_control(binding: &Binding) -> bool {
     own.contains(&binding.key) && !binding.modifiers.command
 }
 
-/// Actions of the keys since the last frame. If a text field has the focus or a popup is open, only those of keys
+/// Commands of the keys since the last frame. If a text field has the focus or a popup is open, only those of keys
 /// that do not type.
-pub(super) fn pressed(ctx: &Context) -> Vec<Action> {
+pub(super) fn pressed(ctx: &Context) -> Vec<Command> {
     // All that asks the context comes before the look at its input, which holds its lock.
     let (writes, has_focus, is_text) = (writes(ctx), ctx.egui_wants_keyboard_input(), ctx.text_edit_focused());
     let is_popup = Popup::is_any_open(ctx);
     // A text field has an undo of its own.
-    let is_of_text = |action| writes && [Action::Undo, Action::Redo].contains(&action);
+    let is_of_text = |command: &Command| writes && [Command::Undo, Command::Redo].contains(command);
     let hit = |event: &Event, binding: &Binding| {
         let is_taken = is_popup || has_focus && (is_of_control(binding) || is_text);
         hits(event, binding) && (!is_taken || binding.modifiers.command)
     };
-    let mut pressed: Vec<Action> = ctx.input(|input| {
+    let mut pressed: Vec<Command> = ctx.input(|input| {
         let pressed = KEYS.iter().filter(|binding| input.events.iter().any(|event| hit(event, binding)));
-        let acts = |binding: &Binding| !writes || binding.modifiers.command || binding.action == Action::Leave;
-        let pressed = pressed.filter(|binding| acts(binding) && !is_of_text(binding.action));
-        pressed.map(|binding| binding.action).collect()
+        let acts = |binding: &Binding| !writes || binding.modifiers.command || binding.command == Command::Leave;
+        let pressed = pressed.filter(|binding| acts(binding) && !is_of_text(&binding.command));
+        pressed.map(|binding| binding.command.clone()).collect()
     });
-    if writes && pressed.contains(&Action::Leave) {
+    if writes && pressed.contains(&Command::Leave) {
         stop_writing(ctx);
-        pressed.retain(|action| *action != Action::Leave);
+        pressed.retain(|command| *command != Command::Leave);
     }
     // Without a focus, Tab would move it to the first control, which is the effect of F6.
-    for action in &pressed {
-        match action {
-            Action::Panels => ctx.memory_mut(|memory| memory.move_focus(FocusDirection::None)),
-            Action::Controls => ctx.memory_mut(|memory| memory.move_focus(FocusDirection::Next)),
+    for command in &pressed {
+        match command {
+            Command::Panels => ctx.memory_mut(|memory| memory.move_focus(FocusDirection::None)),
+            Command::FocusControls => ctx.memory_mut(|memory| memory.move_focus(FocusDirection::Next)),
             _ => {}
         }
     }
@@ -239,8 +234,8 @@ mod tests {
         Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers }
     }
 
-    /// Actions of a key in a frame of `show`, which runs in two frames before.
-    fn actions(context: &Context, event: Event, mut show: impl FnMut(&mut egui::Ui)) -> Vec<Action> {
+    /// Commands of a key in a frame of `show`, which runs in two frames before.
+    fn commands(context: &Context, event: Event, mut show: impl FnMut(&mut egui::Ui)) -> Vec<Command> {
         let mut found = Vec::new();
         for events in [Vec::new(), vec![event], Vec::new()] {
             let output = context.run_ui(RawInput { events, ..RawInput::default() }, |ui| {
@@ -256,20 +251,24 @@ mod tests {
     #[test]
     fn shift_makes_another_key_where_one_is_bound() {
         let (ctrl, shift) = (Modifiers::COMMAND | Modifiers::CTRL, Modifiers::SHIFT);
-        for (name, modifiers, action) in [
-            (Key::Z, ctrl, Action::Undo),
-            (Key::Z, ctrl | shift, Action::Redo),
-            (Key::Y, ctrl, Action::Redo),
-            (Key::Z, Modifiers::NONE, Action::Undo),
-            (Key::D, Modifiers::NONE, Action::Look),
-            (Key::D, shift, Action::Duplicate),
-            (Key::S, ctrl | shift, Action::SaveAs),
-            (Key::S, ctrl, Action::Save),
-            (Key::Q, ctrl, Action::Quit),
-            (Key::Questionmark, shift, Action::Help),
-            (Key::Num1, shift, Action::Side(0)),
+        for (name, modifiers, command) in [
+            (Key::Z, ctrl, Command::Undo),
+            (Key::Z, ctrl | shift, Command::Redo),
+            (Key::Y, ctrl, Command::Redo),
+            (Key::Z, Modifiers::NONE, Command::Undo),
+            (Key::D, Modifiers::NONE, Command::NextComparison),
+            (Key::D, shift, Command::Duplicate),
+            (Key::S, ctrl | shift, Command::SaveAs),
+            (Key::S, ctrl, Command::Save),
+            (Key::Q, ctrl, Command::AskToQuit),
+            (Key::Questionmark, shift, Command::Help),
+            (Key::Num1, shift, Command::Side(0)),
         ] {
-            assert_eq!(actions(&Context::default(), key(name, modifiers), |_| ()), [action], "{name:?} {modifiers:?}");
+            assert_eq!(
+                commands(&Context::default(), key(name, modifiers), |_| ()),
+                [command],
+                "{name:?} {modifiers:?}"
+            );
         }
     }
 
@@ -282,13 +281,13 @@ mod tests {
                 drop(ui.button("next"));
             };
             // The first control is the number.
-            assert_eq!(actions(&context, key(Key::F6, Modifiers::NONE), &mut show), [Action::Controls]);
-            actions(&context, Event::Text("4".into()), &mut show);
-            let played = actions(&context, key(Key::S, Modifiers::NONE), &mut show);
+            assert_eq!(commands(&context, key(Key::F6, Modifiers::NONE), &mut show), [Command::FocusControls]);
+            commands(&context, Event::Text("4".into()), &mut show);
+            let played = commands(&context, key(Key::S, Modifiers::NONE), &mut show);
             assert_eq!(played, [], "the number is being typed");
-            actions(&context, key(end, Modifiers::NONE), &mut show);
-            let played = actions(&context, key(Key::S, Modifiers::NONE), &mut show);
-            assert_eq!(played, [Action::Screenshot], "{end:?}");
+            commands(&context, key(end, Modifiers::NONE), &mut show);
+            let played = commands(&context, key(Key::S, Modifiers::NONE), &mut show);
+            assert_eq!(played, [Command::WritePicture], "{end:?}");
         }
     }
 
@@ -298,10 +297,10 @@ mod tests {
         let mut show = |ui: &mut egui::Ui| {
             ui.add(egui::TextEdit::singleline(&mut text).id(Id::new("field")));
         };
-        actions(&context, Event::Text(String::new()), &mut show);
+        commands(&context, Event::Text(String::new()), &mut show);
         context.memory_mut(|memory| memory.request_focus(Id::new("field")));
-        actions(&context, Event::Text("x".into()), &mut show);
-        assert_eq!(actions(&context, key(Key::Escape, Modifiers::NONE), &mut show), []);
-        assert_eq!(actions(&context, key(Key::Escape, Modifiers::NONE), &mut show), [Action::Leave]);
+        commands(&context, Event::Text("x".into()), &mut show);
+        assert_eq!(commands(&context, key(Key::Escape, Modifiers::NONE), &mut show), []);
+        assert_eq!(commands(&context, key(Key::Escape, Modifiers::NONE), &mut show), [Command::Leave]);
     }
 }

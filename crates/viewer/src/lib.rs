@@ -11,6 +11,7 @@ pub mod author;
 mod background;
 mod canvas;
 mod coarse;
+pub mod command;
 pub mod compare;
 mod densities;
 mod display;

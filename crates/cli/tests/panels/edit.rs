@@ -99,7 +99,7 @@ fn words_are_completed_by_keys_and_nothing_else_is_changed() {
     hand.0.key_press(Key::Enter);
     hand.0.run_steps(2);
     assert!(text(&mut hand).ends_with(", 1.0); min\n"));
-    assert_eq!(hand.0.state().requests, [], "no letter was a shortcut");
+    assert_eq!(hand.0.state().commands, [], "no letter was a shortcut");
 }
 
 #[test]

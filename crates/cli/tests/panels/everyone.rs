@@ -324,7 +324,7 @@ fn final_pictures_are_rendered_beside_the_window() {
     hand.click("final.render");
     // The process ends with the window, which asks first.
     hand.quit();
-    assert_eq!(hand.0.state().requests, []);
+    assert_eq!(hand.0.state().commands, []);
     hand.click("ask.no");
     wait(&mut hand);
     let line = |hand: &Hand, text: &str| hand.0.query_all_by_value(text).next().is_some();

@@ -5,7 +5,7 @@ use egui::{Event, Key};
 use egui_kittest::kittest::Queryable;
 use hypertexture::scene::preset;
 use hypertexture_viewer::author::{State, WATCH};
-use hypertexture_viewer::panels::Request;
+use hypertexture_viewer::command::Command;
 use std::fs;
 use std::path::PathBuf;
 use std::thread::sleep;
@@ -45,7 +45,7 @@ fn a_long_broken_text_is_typed_whole_while_errors_come_and_go() {
     }
     assert!(verdicts[0] > 0 && verdicts[1] > 0, "good and bad: {verdicts:?}, {told:?}");
     assert_eq!(hand.0.state_mut().panels.author.text, format!("{before}{typed}"));
-    assert_eq!(hand.0.state().requests, [], "no letter was a shortcut");
+    assert_eq!(hand.0.state().commands, [], "no letter was a shortcut");
 }
 
 #[test]
@@ -78,8 +78,8 @@ fn a_file_that_others_wrote_is_replaced_once_a_person_says_so() {
     hand.write("file.picture", picture.to_str().unwrap());
     hand.click("file.screenshot");
     let shots = |hand: &Hand| {
-        let is_shot = |request: &&Request| matches!(request, Request::Screenshot(_));
-        hand.0.state().requests.iter().filter(is_shot).count()
+        let is_shot = |command: &&Command| matches!(command, Command::Screenshot(_));
+        hand.0.state().commands.iter().filter(is_shot).count()
     };
     assert_eq!(shots(&hand), 0);
     hand.click("ask.yes");
@@ -93,7 +93,7 @@ fn a_window_with_unsaved_work_asks_before_it_closes() {
     let folder = tempfile::tempdir().unwrap();
     let scene = folder.path().join("scene.toml");
     let mut hand = Hand::open(preset("fur").unwrap());
-    let quits = |hand: &Hand| hand.0.state().requests.contains(&Request::Quit);
+    let quits = |hand: &Hand| hand.0.state().commands.contains(&Command::Quit);
     hand.set("material.specular", 0.75);
     hand.write("file.scene", scene.to_str().unwrap());
     hand.quit();
@@ -144,9 +144,9 @@ fn a_text_that_no_file_holds_is_unsaved_work_too() {
     let mut hand = Hand::new(preset("fur").unwrap());
     hand.0.state_mut().panels.author.text.push_str("// mine\n");
     hand.quit();
-    assert_eq!(hand.0.state().requests, []);
+    assert_eq!(hand.0.state().commands, []);
     hand.click("ask.yes");
-    assert_eq!(hand.0.state().requests, [Request::Quit]);
+    assert_eq!(hand.0.state().commands, [Command::Quit]);
 }
 
 #[test]

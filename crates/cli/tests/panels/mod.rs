@@ -17,8 +17,9 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use hypertexture::scene::{self, Color, ParameterValue, Pass, Scene, preset};
 use hypertexture::shader;
 use hypertexture_viewer::author::State;
+use hypertexture_viewer::command::Command;
 use hypertexture_viewer::model::Model;
-use hypertexture_viewer::panels::{Panels, Question, Request, Status};
+use hypertexture_viewer::panels::{Panels, Question, Status};
 use paint::Painter;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -34,7 +35,7 @@ struct Desk {
     model: Model,
     panels: Panels,
     status: Status,
-    requests: Vec<Request>,
+    commands: Vec<Command>,
     painter: Painter,
     /// The area left for the picture.
     left: egui::Rect,
@@ -50,11 +51,11 @@ impl Hand {
         let painter = Painter::default();
         let status = Status { device: "a device".into(), frame_ms: Some([12.0, 0.5]), ..Status::default() };
         let desk =
-            Desk { model, panels, status, requests: Vec::new(), painter: painter.clone(), left: egui::Rect::ZERO };
+            Desk { model, panels, status, commands: Vec::new(), painter: painter.clone(), left: egui::Rect::ZERO };
         let size = egui::vec2(SIZE[0] as f32, SIZE[1] as f32);
         let builder = Harness::builder().with_size(size).with_step_dt(1.0 / 60.0).renderer(painter);
         let show = |ui: &mut egui::Ui, desk: &mut Desk| {
-            desk.requests.extend(desk.panels.show(ui, &mut desk.model, &desk.status));
+            desk.commands.extend(desk.panels.show(ui, &mut desk.model, &desk.status));
             desk.left = ui.available_rect_before_wrap();
         };
         let mut hand = Hand(builder.build_ui_state(show, desk));
@@ -412,7 +413,7 @@ fn the_transfer_map_is_edited_by_hand() {
     assert!((moved.density - 0.35).abs() < 0.03, "{moved:?}");
     hand.write("transfer.stop.color.code", "#00ff00");
     assert_eq!(hand.scene().transfer.stops[1].color, Color([0, 255, 0]));
-    assert!(hand.0.state().requests.contains(&Request::Densities));
+    assert!(hand.0.state().commands.contains(&Command::Densities));
     hand.0.state_mut().status.densities = Some((0..64).map(|bar| 64 - bar).collect());
     hand.0.run_steps(2);
     hand.picture("transfer");
@@ -456,7 +457,7 @@ fn objects_come_and_go_with_effects_of_their_own() {
 }
 
 #[test]
-fn presets_files_and_requests() {
+fn presets_files_and_commands() {
     let mut hand = Hand::new(preset("lit").unwrap());
     ["view.advanced", "File", "Accuracy", "Camera"].iter().for_each(|section| drop(hand.click(section)));
     hand.click("presets.own");
@@ -479,21 +480,13 @@ fn presets_files_and_requests() {
     for name in ["pause", "record", "compare", "file.screenshot", "camera.reset", "max_error.on", "validity"] {
         hand.click(name);
     }
-    let Desk { requests, .. } = hand.0.state();
-    let split = Request::Split(Some(Box::new(scene)));
-    let error = Request::MaxError(Some(1.0 / 255.0));
-    let shot = Request::Screenshot("picture.png".into());
-    let all = [
-        Request::Pause(true),
-        Request::Record(true),
-        split,
-        shot,
-        Request::ResetCamera,
-        error,
-        Request::Validity(true),
-    ];
-    // The open transfer map requests its histogram in each frame.
-    let asked: Vec<&Request> = requests.iter().filter(|request| **request != Request::Densities).collect();
+    let Desk { commands, .. } = hand.0.state();
+    let error = Command::MaxError(Some(1.0 / 255.0));
+    let shot = Command::Screenshot("picture.png".into());
+    let all =
+        [Command::Play, Command::Turntable, Command::Compare, shot, Command::ResetCamera, error, Command::Validity];
+    // The open transfer map asks for its histogram in each frame.
+    let asked: Vec<&Command> = commands.iter().filter(|command| **command != Command::Densities).collect();
     assert_eq!(asked, all.iter().collect::<Vec<_>>());
     let line = hand.model().command_line();
     let copied = hand.click("copy");

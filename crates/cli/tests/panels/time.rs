@@ -5,7 +5,7 @@ use egui::Key;
 use egui::accesskit::Action;
 use egui_kittest::kittest::{NodeT, Queryable};
 use hypertexture::scene::{Camera, Ease, Track, preset};
-use hypertexture_viewer::panels::Request;
+use hypertexture_viewer::command::Command;
 use hypertexture_viewer::playback::Playback;
 
 #[test]
@@ -17,23 +17,23 @@ fn the_timeline_plays_scrubs_and_repeats_by_mouse_and_keys() {
     hand.click("timeline loop");
     hand.set("timeline speed", 0.5);
     hand.set("timeline to", 4.0);
-    let asked = std::mem::take(&mut hand.0.state_mut().requests);
+    let asked = std::mem::take(&mut hand.0.state_mut().commands);
     let playback = Playback::default();
     let expected = [
-        Request::Pause(true),
-        Request::Time(2.5),
-        Request::Time(0.0),
-        Request::Playback(Playback { repeats: true, ..playback }),
-        Request::Playback(Playback { speed: 0.5, ..playback }),
-        Request::Playback(Playback { range: [0.0, 4.0], ..playback }),
+        Command::Play,
+        Command::Time(2.5),
+        Command::Time(0.0),
+        Command::Playback(Playback { repeats: true, ..playback }),
+        Command::Playback(Playback { speed: 0.5, ..playback }),
+        Command::Playback(Playback { range: [0.0, 4.0], ..playback }),
     ];
     assert_eq!(asked, expected);
     // The slider also responds to keys.
     hand.act("timeline", Action::Focus, None);
     hand.0.key_press(Key::ArrowRight);
     hand.0.run_steps(2);
-    let asked = std::mem::take(&mut hand.0.state_mut().requests);
-    assert!(matches!(asked.as_slice(), [Request::Time(time)] if *time > 0.0), "{asked:?}");
+    let asked = std::mem::take(&mut hand.0.state_mut().commands);
+    assert!(matches!(asked.as_slice(), [Command::Time(time)] if *time > 0.0), "{asked:?}");
     // The slider follows the running time.
     (hand.0.state_mut().status.time, hand.0.state_mut().status.paused) = (Some(7.25), false);
     hand.0.run_steps(2);
@@ -67,7 +67,7 @@ fn the_object_is_looked_at_from_its_sides_and_from_views_that_were_kept() {
     assert_eq!((camera.rotation, camera.zoom, camera.time), (Some(turned), 3.0, 3.0), "a view has no time");
     hand.picture("views");
     hand.click("camera.level");
-    assert_eq!(hand.0.state().requests, [Request::Level(true)]);
+    assert_eq!(hand.0.state().commands, [Command::LevelOrbit]);
     // The next window has the bookmarks.
     let mut next = Hand::new(preset("lit").unwrap());
     next.0.state_mut().panels.remember(Vec::new(), cache);
@@ -153,7 +153,7 @@ fn bookmarks_become_a_path_and_a_loop_the_range_of_the_timeline() {
         hand.click("camera.bookmark");
     }
     hand.click("animation.has_loop");
-    assert_eq!(hand.0.state().requests, [Request::Playback(Playback { repeats: true, ..Playback::default() })]);
+    assert_eq!(hand.0.state().commands, [Command::Playback(Playback { repeats: true, ..Playback::default() })]);
     hand.click("camera.path");
     let mut scene = hand.scene();
     assert_eq!(scene.animation.period, Some(10.0), "the range of the timeline");
@@ -185,10 +185,10 @@ fn a_new_track_moves_no_control_and_keys_stand_below_the_handle() {
     // The handle at the time of a keyframe is above it: a press there moves the handle nowhere.
     let key = hand.rect(&format!("parameters.{} key 1", parameters[1])).center();
     let slider = hand.rect("timeline");
-    hand.0.state_mut().requests.clear();
+    hand.0.state_mut().commands.clear();
     hand.drag(egui::pos2(key.x, slider.center().y), egui::pos2(key.x, slider.center().y));
-    let asked = &hand.0.state().requests;
-    let times = asked.iter().filter_map(|request| if let Request::Time(time) = request { Some(*time) } else { None });
+    let asked = &hand.0.state().commands;
+    let times = asked.iter().filter_map(|command| if let Command::Time(time) = command { Some(*time) } else { None });
     let times: Vec<f64> = times.collect();
     assert!(!times.is_empty() && times.iter().all(|time| (time - 2.0).abs() < 0.02), "{asked:?}");
     hand.picture("axis");

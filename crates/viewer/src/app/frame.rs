@@ -1,6 +1,7 @@
 //! One frame of the window.
 
 use super::state::App;
+use crate::command::Command;
 use crate::keys;
 use crate::status::Stage;
 use egui::{Sense, Ui};
@@ -40,22 +41,22 @@ impl App {
         let before = self.model.scene().clone();
         if !self.panels.is_asking() {
             self.type_number(ui.ctx());
-            keys::pressed(ui.ctx()).into_iter().for_each(|action| self.act(action));
+            keys::pressed(ui.ctx()).into_iter().for_each(|command| self.perform(command));
         }
         self.model.follow(self.time.clock);
         self.receive_selection();
         let status = self.status();
-        let requests = self.panels.show(ui, &mut self.model, &status);
+        let commands = self.panels.show(ui, &mut self.model, &status);
         if let Some(error) = self.panels.finals.outcome().filter(|outcome| outcome.is_error) {
             self.failure.get_or_insert_with(|| error.text.clone());
         }
-        for request in requests {
-            self.request(request);
+        for command in commands {
+            self.perform(command);
         }
         let dropped: Vec<PathBuf> =
             ui.ctx().input(|input| input.raw.dropped_files.iter().map(|file| file.path().to_path_buf()).collect());
         for path in dropped {
-            self.open(&path);
+            self.perform(Command::Open(path));
         }
         self.place = ui.available_rect_before_wrap();
         let response = ui.allocate_rect(self.place, Sense::click_and_drag());

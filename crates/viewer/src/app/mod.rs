@@ -1,6 +1,5 @@
 //! Input to the scene, the scene to the render thread, and pictures to the screen.
 
-mod actions;
 mod frame;
 mod framing;
 mod gizmo;
@@ -13,6 +12,7 @@ mod mouse;
 mod objects;
 mod overlay;
 mod paint;
+mod perform;
 mod receive;
 mod state;
 mod submit;

@@ -1,7 +1,8 @@
 //! Overlays of the picture.
 
 use super::state::App;
-use crate::keys::{self, Action};
+use crate::command::Command;
+use crate::keys;
 use crate::load::Progress;
 use crate::panels::widgets::{brief, named};
 use crate::panels::{self, MENUS};
@@ -115,14 +116,14 @@ impl App {
                             ui.end_row();
                         }
                     };
-                    for (title, actions) in MENUS {
-                        let row = |action: &Action| {
-                            let binding = keys::KEYS.iter().find(|binding| binding.action == *action)?;
-                            let state = states.iter().find(|(own, _)| own == action);
+                    for (title, commands) in MENUS {
+                        let row = |command: &Command| {
+                            let binding = keys::KEYS.iter().find(|binding| binding.command == *command)?;
+                            let state = states.iter().find(|(own, _)| own == command);
                             let state = state.map_or("", |(_, on)| if *on { " (on)" } else { " (off)" });
-                            Some((binding.name, format!("{}{state}", binding.what)))
+                            Some((binding.name, format!("{}{state}", binding.doc)))
                         };
-                        group(title, actions.iter().filter_map(row).collect());
+                        group(title, commands.iter().filter_map(row).collect());
                     }
                     group("Mouse", keys::MOUSE.iter().map(|(name, what)| (*name, what.to_string())).collect());
                 });

@@ -1,9 +1,9 @@
 //! Accuracy settings.
 
 use super::context::Pass;
-use super::request::Request;
 use super::settings;
 use super::widgets::{Field, button, field, number, switch};
+use crate::command::Command;
 use egui::Ui;
 use hypertexture::scene::schema::SETTINGS;
 
@@ -23,7 +23,7 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>) {
     // The range of `--max-error`, which is larger than that of the slider.
     let wanted = wanted.map(|error| error.clamp(1e-7, 1.0));
     if wanted != asked {
-        pass.requests.push(Request::MaxError(wanted));
+        pass.commands.push(Command::MaxError(wanted));
     }
     if !pass.advanced {
         return settings::table(ui, pass, "", "quality");
@@ -32,7 +32,7 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>) {
     let doc = "Once the picture has converged, color the pixels that would change with a better setting.";
     let response = ui.checkbox(&mut on, "validity").on_hover_text(doc);
     if super::widgets::named(ui, &response, "validity").changed() {
-        pass.requests.push(Request::Validity(on));
+        pass.commands.push(Command::Validity);
     }
     for setting in SETTINGS.iter().filter(|setting| setting.table() == "quality") {
         let most = pass.draft.quality.block_size / 2; // two texels for each cell

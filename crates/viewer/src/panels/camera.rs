@@ -2,9 +2,9 @@
 
 use super::bookmarks::{Bookmarks, looking};
 use super::context::Pass;
-use super::request::Request;
 use super::settings;
 use super::widgets::{button, named};
+use crate::command::Command;
 use crate::trackball::level_angles;
 use egui::{Button, Ui};
 use hypertexture::scene::{Camera, Ease, Key, Scene};
@@ -41,13 +41,13 @@ pub(super) fn camera(ui: &mut Ui, pass: &mut Pass<'_>, bookmarks: &mut Bookmarks
     });
     ui.horizontal_wrapped(|ui| {
         if button(ui, "Reset view", "camera.reset", "Reset the camera to that of the preset (R).").clicked() {
-            pass.requests.push(Request::ResetCamera);
+            pass.commands.push(Command::ResetCamera);
         }
         let mut level = pass.status.level;
         let response = ui.checkbox(&mut level, "level orbit");
         let doc = "A drag orbits about the vertical axis, which stays upright; otherwise like a trackball (O).";
         if named(ui, &response, "camera.level").on_hover_text(doc).changed() {
-            pass.requests.push(Request::Level(level));
+            pass.commands.push(Command::LevelOrbit);
         }
         if button(ui, "bookmark", "camera.bookmark", "Bookmark this view for this and later sessions.").clicked() {
             bookmarks.add(&pass.draft.camera);

@@ -1,30 +1,15 @@
 //! State that all panels share while the controls are shown.
 
-use super::request::Request;
 use super::status::Status;
 use super::widgets::Touch;
+use crate::command::Command;
 use crate::model::Model;
 use egui::Ui;
 use hypertexture::scene::{Effect, ParameterValue, Scene, Transfer};
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 
 /// Opacity of the controls of settings that the picture does not read.
 const UNREAD: f32 = 0.45;
-
-/// An action on the model that replaces the changes of the controls.
-pub(super) enum Act {
-    Undo,
-    Redo,
-    Preset { name: String, on_object: bool },
-    Choose,
-    Open(PathBuf),
-    Restore(PathBuf),
-    Save(PathBuf),
-    AddPart,
-    RemovePart(String),
-    RenamePart { from: String, to: String },
-}
 
 /// One pass over the controls.
 pub(super) struct Pass<'a> {
@@ -37,8 +22,7 @@ pub(super) struct Pass<'a> {
     /// Why a value was refused.
     pub(super) refused: Option<String>,
     pub(super) touch: Touch,
-    pub(super) acts: Vec<Act>,
-    pub(super) requests: Vec<Request>,
+    pub(super) commands: Vec<Command>,
     pub(super) model: &'a Model,
     pub(super) status: &'a Status,
     pub(super) advanced: bool,

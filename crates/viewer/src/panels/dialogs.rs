@@ -1,8 +1,7 @@
 //! Questions before data loss, and the file dialog.
 
-use super::context::Act;
-use super::request::Request;
 use super::widgets::button;
+use crate::command::Command;
 use crate::model::Model;
 use egui::{Id, Modal, RichText, Ui};
 use egui_file_dialog::{DialogMode, DialogState, FileDialog};
@@ -107,7 +106,7 @@ impl Dialogs {
         }
     }
 
-    /// Shows the question or the file dialog; returns the resulting request. `file` is the path in the panel,
+    /// Shows the question or the file dialog; returns the resulting command. `file` is the path in the panel,
     /// `at_stake` describes the unsaved work.
     pub(super) fn show(
         &mut self,
@@ -115,7 +114,7 @@ impl Dialogs {
         model: &mut Model,
         file: &str,
         at_stake: Option<String>,
-    ) -> Option<Request> {
+    ) -> Option<Command> {
         self.note(model);
         if let Some(path) = self.dialog.update(ui).picked() {
             let path = path.to_path_buf();
@@ -124,7 +123,7 @@ impl Dialogs {
                 (DialogMode::SaveFile, Some(_)) => drop(model.save(&path)),
                 // The dialog has asked about the name without the extension.
                 (DialogMode::SaveFile, None) => self.scene(path.with_extension("toml"), model),
-                _ => return Some(Request::Open(path)),
+                _ => return Some(Command::Open(path)),
             }
             return None;
         }
@@ -140,30 +139,30 @@ impl Dialogs {
         (self.question, self.had_focus) = (None, false);
         match (answer, question) {
             (Answer::No, _) => None,
-            (Answer::Yes, Question::Quit) => Some(Request::Quit),
-            (Answer::Yes, Question::New) => Some(Request::Begin),
+            (Answer::Yes, Question::Quit) => Some(Command::Quit),
+            (Answer::Yes, Question::New) => Some(Command::Begin),
             (Answer::Yes, Question::Scene(path)) => {
                 model.save(&path);
                 None
             }
-            (Answer::Yes, Question::Picture(path)) => Some(Request::Screenshot(path)),
+            (Answer::Yes, Question::Picture(path)) => Some(Command::Screenshot(path)),
             (Answer::Save, question) => {
                 self.save(model, file);
-                let then = if question == Question::New { Request::Begin } else { Request::Quit };
+                let then = if question == Question::New { Command::Begin } else { Command::Quit };
                 (!model.is_dirty()).then_some(then)
             }
         }
     }
 
     /// Offers the unsaved work of earlier windows.
-    pub(super) fn offer(&mut self, ui: &mut Ui, acts: &mut Vec<Act>) {
+    pub(super) fn offer(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
         let Some(folder) = self.kept.first().cloned() else { return };
         ui.horizontal_wrapped(|ui| {
             let count = if self.kept.len() > 1 { format!(" ({} in all)", self.kept.len()) } else { String::new() };
             ui.label(RichText::new(format!("unsaved work from {}{count}", age(&folder))).strong())
                 .on_hover_text(folder.display().to_string());
             if button(ui, "open it", "kept.open", "Restore the scene and its modules.").clicked() {
-                acts.push(Act::Restore(folder.clone()));
+                commands.push(Command::Restore(folder.clone()));
                 self.kept.remove(0);
             }
             if button(ui, "not now", "kept.later", "Keep it and offer it again.").clicked() {

@@ -2,8 +2,8 @@
 
 use super::axis::{Axis, LEFT};
 use super::context::Pass;
-use super::request::Request;
 use super::widgets::{self, brief, button, named, short};
+use crate::command::Command;
 use crate::keys;
 use crate::model::Model;
 use crate::playback::Playback;
@@ -104,7 +104,7 @@ impl Keyframes {
     }
 
     /// The tracks.
-    pub(super) fn show(&mut self, ui: &mut Ui, model: &mut Model, axis: &Axis, requests: &mut Vec<Request>) {
+    pub(super) fn show(&mut self, ui: &mut Ui, model: &mut Model, axis: &Axis, commands: &mut Vec<Command>) {
         if !self.shown {
             return;
         }
@@ -116,7 +116,7 @@ impl Keyframes {
         // The height is that of the panel: a new track moves no control.
         ScrollArea::vertical().id_salt("tracks").auto_shrink([false, false]).show(ui, |ui| {
             for (name, track) in &tracks {
-                let made = ui.horizontal(|ui| self.track(ui, model, (name, track), axis, requests)).inner;
+                let made = ui.horizontal(|ui| self.track(ui, model, (name, track), axis, commands)).inner;
                 change = change.take().or(made.map(|change| (name.clone(), change)));
             }
         });
@@ -137,7 +137,7 @@ impl Keyframes {
         model: &Model,
         (name, track): (&str, &Track),
         axis: &Axis,
-        requests: &mut Vec<Request>,
+        commands: &mut Vec<Command>,
     ) -> Option<Change> {
         let mut change = None;
         let buttons = 2.0 * (BUTTON + ui.spacing().item_spacing.x);
@@ -162,7 +162,7 @@ impl Keyframes {
                 if button(ui, "\u{192}", &format!("{name}.express"), "Use an expression in time instead.").clicked() {
                     change = Some(Change::Express);
                 }
-                self.keys(ui, model, (name, list), axis, requests).or(change)
+                self.keys(ui, model, (name, list), axis, commands).or(change)
             }
         }
     }
@@ -173,7 +173,7 @@ impl Keyframes {
         model: &Model,
         (name, list): (&str, &[Key]),
         axis: &Axis,
-        requests: &mut Vec<Request>,
+        commands: &mut Vec<Command>,
     ) -> Option<Change> {
         let mut change = None;
         let (room, _) = ui.allocate_exact_size(vec2(ui.available_width().max(60.0), HEIGHT), Sense::hover());
@@ -210,7 +210,7 @@ impl Keyframes {
                 self.selected = Some(own);
             }
             if response.clicked() {
-                requests.push(Request::Time(key.time));
+                commands.push(Command::Time(key.time));
             }
             if let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged()) {
                 // Frames; with Alt, any time.

@@ -1,21 +1,21 @@
 //! The panels around the picture, and the order of their sections.
 
-use super::context::{Act, Pass, prefix};
+use super::context::{Pass, prefix};
 use super::dialogs::{self, Question};
-use super::request::Request;
 use super::status::Status;
 use super::{
     accuracy, bookmarks, camera, editor, effect, field_menu, file_info, finals, groom, keyframes, menu, messages,
     object, parameters, presets, settings, status_bar, theme, timeline, toolbar, transfer, widgets,
 };
 use crate::author::Author;
+use crate::command::Command;
 use crate::message::Message;
 use crate::model::Model;
 use crate::painting::Painting;
 use crate::unsaved;
 use egui::{CollapsingHeader, Id, Panel, PanelState, RichText, ScrollArea, Ui};
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Default width of the panel with the settings, points.
 const WIDTH: f32 = 376.0;
@@ -148,11 +148,6 @@ impl Panels {
         self.dialogs.is_open()
     }
 
-    /// Opens the file dialog.
-    pub fn choose_file(&mut self) {
-        self.dialogs.choose();
-    }
-
     /// Saves the scene to its file or to the one in the panel; asks for a path if there is neither, and before a file
     /// of another program is replaced.
     pub fn save(&mut self, model: &mut Model) {
@@ -164,28 +159,24 @@ impl Panels {
         model.is_dirty() || !unsaved::texts(model, &self.author).is_empty()
     }
 
-    /// Opens the file dialog for another file of the scene.
-    pub(crate) fn save_as(&mut self, model: &Model) {
-        self.dialogs.save_as(model);
-    }
-
     /// Removes the selected keyframe of the tracks, if they are shown; returns whether there was one.
     pub(crate) fn remove_key(&mut self, model: &mut Model) -> bool {
         !self.hidden && self.keyframes.remove_selected(model)
     }
 
-    /// Shows the panels; the remaining area of `ui` is for the picture. Called once per frame.
-    pub fn show(&mut self, ui: &mut Ui, model: &mut Model, status: &Status) -> Vec<Request> {
+    /// Shows the panels; the remaining area of `ui` is for the picture. Returns the commands for the window. Called once per
+    /// frame.
+    pub fn show(&mut self, ui: &mut Ui, model: &mut Model, status: &Status) -> Vec<Command> {
         self.theme.apply(ui.ctx());
         ui.spacing_mut().item_spacing.y = 5.0;
         let complaint = self.author.complaint().filter(|_| !self.author_is_open || self.hidden).map(Message::error);
         Panel::bottom("status").show(ui, |ui| status_bar::show(ui, status));
-        let mut requests: Vec<Request> = Vec::new();
+        let mut commands: Vec<Command> = Vec::new();
         if !self.hidden {
             let is_low = ui.available_height() < LOW;
             if !is_low {
                 let recent = &self.dialogs.recent;
-                let bar = |ui: &mut Ui| menu::show(ui, recent, &status.states, model, &mut requests);
+                let bar = |ui: &mut Ui| menu::show(ui, recent, &status.states, model, &mut commands);
                 Panel::top("menu").show(ui, bar);
             }
             let fps = self.finals.fps();
@@ -195,7 +186,7 @@ impl Panels {
                 false => Panel::bottom("time"),
             };
             let row = is_low && !self.keyframes.shown;
-            time.show(ui, |ui| timeline::show(ui, model, status, &mut self.keyframes, (fps, row), &mut requests));
+            time.show(ui, |ui| timeline::show(ui, model, status, &mut self.keyframes, (fps, row), &mut commands));
             // In a small window, most of the area is for the picture.
             let most = (PART * ui.available_width()).clamp(LEAST, MOST);
             if std::mem::replace(&mut self.most, most) != most {
@@ -205,17 +196,17 @@ impl Panels {
             let panel = Panel::right("scene").default_size(self.width.min(most)).size_range(LEAST..=most);
             let shown = panel.show(ui, |ui| {
                 widgets::fit(ui);
-                let mut asked = Vec::new();
+                let mut chosen = Vec::new();
                 if is_low {
                     // The menus of a low window take no height from the picture.
-                    menu::show(ui, &self.dialogs.recent, &status.states, model, &mut asked);
+                    menu::show(ui, &self.dialogs.recent, &status.states, model, &mut chosen);
                 }
-                let mut requests = self.controls(ui, model, status);
-                requests.extend(asked);
+                let mut commands = self.controls(ui, model, status);
+                commands.extend(chosen);
                 ui.take_available_width();
-                requests
+                commands
             });
-            requests.extend(shown.inner);
+            commands.extend(shown.inner);
             let width = shown.response.rect.width();
             self.width = if width < most { width } else { self.width };
         }
@@ -238,9 +229,9 @@ impl Panels {
         self.author.wakes().into_iter().for_each(|wait| ui.ctx().request_repaint_after(wait));
         let at_stake = self.dialogs.question.as_ref().filter(|asked| **asked == Question::Quit);
         let at_stake = at_stake.and_then(|_| self.at_stake(model));
-        requests.extend(self.dialogs.show(ui, model, &self.paths[0], at_stake));
-        for request in &requests {
-            if let Request::Screenshot(path) = request {
+        commands.extend(self.dialogs.show(ui, model, &self.paths[0], at_stake));
+        for command in &commands {
+            if let Command::Screenshot(path) = command {
                 self.finals.own.insert(path.clone());
             }
         }
@@ -248,19 +239,18 @@ impl Panels {
         let all = [complaint.as_ref(), model.notice(), status.message.as_ref(), self.finals.outcome()];
         let all: Vec<&Message> = all.into_iter().flatten().collect();
         messages::show(ui, &all);
-        requests
+        commands
     }
 
-    fn controls(&mut self, ui: &mut Ui, model: &mut Model, status: &Status) -> Vec<Request> {
+    fn controls(&mut self, ui: &mut Ui, model: &mut Model, status: &Status) -> Vec<Command> {
         self.selected = self.selected.take().filter(|name| model.scene().parts.contains_key(name));
-        let (draft, acts, requests) = (model.present(), Vec::new(), Vec::new());
+        let (draft, commands) = (model.present(), Vec::new());
         let (before, shown) = (draft.clone(), BTreeMap::new());
         let (advanced, keys) = (self.advanced, self.keyframes.shown);
-        let mut pass =
-            Pass { draft, before, shown, refused: None, touch: None, acts, requests, model, status, advanced, keys };
+        let mut pass = Pass { draft, before, shown, refused: None, touch: None, commands, model, status, advanced, keys };
         ui.add_space(4.0);
         field_menu::take_pasted(ui, &mut pass);
-        self.dialogs.offer(ui, &mut pass.acts);
+        self.dialogs.offer(ui, &mut pass.commands);
         toolbar::history(ui, &mut pass, &mut self.author_is_open);
         ui.horizontal_wrapped(|ui| {
             let (is_open, doc) = (self.finals.is_open, "A picture, a sequence or a video, in any size.");
@@ -269,7 +259,7 @@ impl Panels {
         });
         ui.separator();
         ScrollArea::vertical().id_salt("controls").auto_shrink(false).show(ui, |ui| self.sections(ui, &mut pass));
-        let Pass { draft, touch, refused, acts, mut requests, keys, .. } = pass;
+        let Pass { draft, touch, refused, commands, keys, .. } = pass;
         self.keyframes.shown = keys;
         match touch {
             // A view is not an undo step.
@@ -278,14 +268,12 @@ impl Panels {
             None => {}
         }
         refused.into_iter().for_each(|line| model.say(line));
-        acts.into_iter().for_each(|act| self.act(act, model));
-        // Replacing a file takes a confirmation.
-        requests = requests.into_iter().filter_map(|request| self.asking(request)).collect();
+        let commands = commands.into_iter().filter_map(|command| self.perform(command, model)).collect();
         // A drag is one undo step, and two keys are two.
         if !ui.ctx().input(|input| input.pointer.any_down()) {
             model.end_undo_group();
         }
-        requests
+        commands
     }
 
     fn sections(&mut self, ui: &mut Ui, pass: &mut Pass<'_>) {
@@ -333,48 +321,56 @@ impl Panels {
         });
     }
 
-    /// Passes a request on, or asks a question instead.
-    fn asking(&mut self, request: Request) -> Option<Request> {
-        match request {
-            Request::Screenshot(path) if self.finals.replaces(&path) => {
-                self.ask(Question::Picture(path));
-                None
-            }
-            other => Some(other),
-        }
-    }
-
-    fn act(&mut self, act: Act, model: &mut Model) {
-        match act {
-            Act::Undo => drop(model.undo()),
-            Act::Redo => drop(model.redo()),
-            Act::Preset { name, on_object } => drop(match self.selected.as_deref().filter(|_| on_object) {
+    /// Performs a command on the scene, the edited module or the dialogs; returns one for the window.
+    pub(crate) fn perform(&mut self, command: Command, model: &mut Model) -> Option<Command> {
+        match command {
+            Command::Undo => drop(model.undo()),
+            Command::Redo => drop(model.redo()),
+            Command::Preset { name, on_object } => drop(match self.selected.as_deref().filter(|_| on_object) {
                 Some(part) => model.take_preset_of_part(part, &name),
                 None => model.take_preset(&name, on_object),
             }),
-            Act::Choose => self.dialogs.choose(),
-            Act::Open(path) => drop(model.open(&path)),
-            Act::Restore(folder) => {
+            Command::ChooseFile => self.dialogs.choose(),
+            Command::Open(path) => self.open(&path, model),
+            Command::Restore(folder) => {
                 // Work that cannot be opened as a whole is offered again.
                 if unsaved::restore(&folder, model, &mut self.author) {
                     self.restored = Some(folder);
                 }
                 self.author_is_open |= self.author.file().is_some();
             }
-            Act::Save(path) if path.as_os_str().is_empty() => self.save(model),
-            Act::Save(path) => self.dialogs.scene(path, model),
-            Act::AddPart => self.selected = model.add_part("sphere").or(self.selected.take()),
-            Act::RemovePart(name) => {
+            Command::Save => self.dialogs.save(model, &self.paths[0]),
+            Command::SaveTo(path) => self.dialogs.scene(path, model),
+            Command::SaveAs => self.dialogs.save_as(model),
+            Command::AddPart => self.selected = model.add_part("sphere").or(self.selected.take()),
+            Command::RemovePart(name) => {
                 self.locked.remove(&name);
                 model.remove_part(&name);
             }
-            Act::RenamePart { from, to } if model.rename_part(&from, &to) => {
-                if self.locked.remove(&from) {
-                    self.locked.insert(to.clone());
+            Command::RenamePart { from, to } => {
+                if model.rename_part(&from, &to) {
+                    if self.locked.remove(&from) {
+                        self.locked.insert(to.clone());
+                    }
+                    self.selected = Some(to);
                 }
-                self.selected = Some(to);
             }
-            Act::RenamePart { .. } => {}
+            // Replacing a file takes a confirmation.
+            Command::Screenshot(path) if self.finals.replaces(&path) => self.ask(Question::Picture(path)),
+            other => return Some(other),
+        }
+        None
+    }
+
+    /// Opens a mesh, a scan or a scene file as the scene, or a module in the editor.
+    fn open(&mut self, path: &Path, model: &mut Model) {
+        if path.extension().is_none_or(|end| end != "glsl") {
+            model.open(path);
+            return;
+        }
+        match self.author.watch(model.library(), path) {
+            Ok(()) => self.author_is_open = true,
+            Err(reason) => model.say(reason),
         }
     }
 }

@@ -1,78 +1,86 @@
 //! The menu bar.
 
-use super::request::Request;
 use super::widgets::named;
-use crate::keys::{Action, KEYS};
+use crate::command::Command;
+use crate::keys::KEYS;
 use crate::model::Model;
 use egui::{Button, MenuBar, Ui};
 use std::path::PathBuf;
 
-/// The menus with the actions of each. The list of keys has the same groups.
-pub(crate) const MENUS: [(&str, &[Action]); 6] = [
-    ("File", &[Action::New, Action::Open, Action::Save, Action::SaveAs, Action::Export, Action::Quit]),
+/// The menus with the commands of each. The list of keys has the same groups.
+pub(crate) const MENUS: [(&str, &[Command]); 6] = [
+    ("File", &[Command::New, Command::ChooseFile, Command::Save, Command::SaveAs, Command::Export, Command::AskToQuit]),
     (
         "Edit",
-        &[Action::Undo, Action::Redo, Action::Duplicate, Action::Delete, Action::Place, Action::Paint, Action::Weaker],
+        &[
+            Command::Undo,
+            Command::Redo,
+            Command::Duplicate,
+            Command::Delete,
+            Command::Place,
+            Command::Paint,
+            Command::WeakerBrush,
+        ],
     ),
     (
         "View",
         &[
-            Action::Frame,
-            Action::Reset,
-            Action::Side(0),
-            Action::Level,
-            Action::Inertia,
-            Action::Panels,
-            Action::Controls,
-            Action::FullScreen,
+            Command::Frame,
+            Command::ResetCamera,
+            Command::Side(0),
+            Command::LevelOrbit,
+            Command::Inertia,
+            Command::Panels,
+            Command::FocusControls,
+            Command::FullScreen,
         ],
     ),
-    ("Scene", &[Action::Play, Action::Previous, Action::Next]),
+    ("Scene", &[Command::Play, Command::PreviousPreset, Command::NextPreset]),
     (
         "Render",
         &[
-            Action::Screenshot,
-            Action::Record,
-            Action::Compare,
-            Action::Look,
-            Action::Inspect,
-            Action::Worst,
-            Action::Validity,
+            Command::WritePicture,
+            Command::Turntable,
+            Command::Compare,
+            Command::NextComparison,
+            Command::InspectPixel,
+            Command::WorstPixel,
+            Command::Validity,
         ],
     ),
-    ("Help", &[Action::Help, Action::Lesson, Action::Leave]),
+    ("Help", &[Command::Help, Command::Lesson, Command::Leave]),
 ];
 
-/// Shows the menus, with marks at what is switched on.
+/// Shows the menus, with marks at switches that are on. `line` is the command line of the picture.
 pub(super) fn show(
     ui: &mut Ui,
     recent: &[PathBuf],
-    states: &[(Action, bool)],
+    states: &[(Command, bool)],
     model: &Model,
-    requests: &mut Vec<Request>,
+    commands: &mut Vec<Command>,
 ) {
     MenuBar::new().ui(ui, |ui| {
         ui.set_max_width(ui.available_width());
-        for (menu, actions) in MENUS {
+        for (menu, entries) in MENUS {
             let shown = ui.menu_button(menu, |ui| {
-                for action in actions {
-                    let Some(binding) = KEYS.iter().find(|binding| binding.action == *action) else { continue };
-                    let is_on = states.iter().any(|(own, on)| own == action && *on);
-                    if entry(ui, binding.label, binding.name, is_on, binding.what) {
-                        requests.push(Request::Act(*action));
+                for command in entries {
+                    let Some(binding) = KEYS.iter().find(|binding| binding.command == *command) else { continue };
+                    let is_on = states.iter().any(|(own, on)| own == command && *on);
+                    if entry(ui, binding.label, binding.name, is_on, binding.doc) {
+                        commands.push(command.clone());
                     }
-                    match action {
-                        Action::Open if !recent.is_empty() => {
+                    match command {
+                        Command::ChooseFile if !recent.is_empty() => {
                             let recent = ui.menu_button("Recent", |ui| {
                                 for path in recent {
                                     if entry(ui, &path.display().to_string(), "", false, "Open this file.") {
-                                        requests.push(Request::Open(path.clone()));
+                                        commands.push(Command::Open(path.clone()));
                                     }
                                 }
                             });
                             named(ui, &recent.response, "menu Recent");
                         }
-                        Action::Delete
+                        Command::Delete
                             if entry(
                                 ui,
                                 "Copy command",
@@ -93,9 +101,9 @@ pub(super) fn show(
 }
 
 /// An item with its key and its mark; whether it was chosen.
-fn entry(ui: &mut Ui, label: &str, key: &str, is_on: bool, what: &str) -> bool {
+fn entry(ui: &mut Ui, label: &str, key: &str, is_on: bool, doc: &str) -> bool {
     let text = if is_on { format!("\u{2713} {label}") } else { label.to_string() };
-    let response = ui.add(Button::new(text).shortcut_text(key)).on_hover_text(what);
+    let response = ui.add(Button::new(text).shortcut_text(key)).on_hover_text(doc);
     let is_chosen = named(ui, &response, &format!("menu {label}")).clicked();
     if is_chosen {
         ui.close();
@@ -110,7 +118,7 @@ mod tests {
     #[test]
     fn every_action_of_a_key_is_in_one_menu() {
         for binding in KEYS.iter().filter(|binding| !binding.label.is_empty()) {
-            let menus = MENUS.iter().filter(|(_, actions)| actions.contains(&binding.action)).count();
+            let menus = MENUS.iter().filter(|(_, commands)| commands.contains(&binding.command)).count();
             assert_eq!(menus, 1, "{}", binding.name);
         }
     }

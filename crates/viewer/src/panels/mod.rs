@@ -1,7 +1,7 @@
 //! The panels around the picture.
 //!
 //! Role: a scene and the status of its picture -> controls. Their changes go into the [`Model`](crate::model::Model);
-//! requests to the window come back as [`Request`]s. Invariants: no window and no device; the accessible name of a control
+//! commands to the window come back as [`Command`](crate::command::Command)s. Invariants: no window and no device; the accessible name of a control
 //! is the name of its field in a scene file.
 
 mod accuracy;
@@ -23,7 +23,6 @@ mod messages;
 mod object;
 mod parameters;
 mod presets;
-mod request;
 mod settings;
 mod status;
 mod status_bar;
@@ -38,5 +37,4 @@ pub use dialogs::Question;
 pub(crate) use groom::bar as brush_bar;
 pub use layout::Panels;
 pub(crate) use menu::MENUS;
-pub use request::Request;
 pub use status::Status;

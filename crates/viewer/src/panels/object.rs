@@ -1,11 +1,10 @@
 //! The objects of a scene.
 
-use super::context::{Act, Pass, prefix};
+use super::context::{Pass, prefix};
 use super::field_menu;
-use super::request::Request;
 use super::settings;
 use super::widgets::{self, Field, button, choice, field};
-use crate::keys::Action;
+use crate::command::Command;
 use egui::{Button, RichText, Sense, Ui, Vec2, vec2};
 use hypertexture::scene::Scene;
 use hypertexture::scene::schema::SETTINGS;
@@ -56,16 +55,16 @@ pub(super) fn list(ui: &mut Ui, pass: &mut Pass<'_>, selected: &mut Option<Strin
     }
     ui.horizontal_wrapped(|ui| {
         if button(ui, "+ add", "add object", "Add an object with an effect of its own.").clicked() {
-            pass.acts.push(Act::AddPart);
+            pass.commands.push(Command::AddPart);
         }
         if button(ui, "duplicate", "duplicate object", "Copy the selected object (Shift+D).").clicked() {
-            pass.requests.push(Request::Act(Action::Duplicate));
+            pass.commands.push(Command::Duplicate);
         }
         ui.add_space(24.0);
         if let Some(name) = &selected
             && button(ui, "remove", "remove object", "Remove the selected object (Delete).").clicked()
         {
-            pass.acts.push(Act::RemovePart(name.clone()));
+            pass.commands.push(Command::RemovePart(name.clone()));
         }
     });
     if pass.model.scene().parts.is_empty() {
@@ -81,7 +80,7 @@ pub(super) fn list(ui: &mut Ui, pass: &mut Pass<'_>, selected: &mut Option<Strin
         let row = Field { text: Some("name"), ..field(format!("name of {name}"), "Lower-case letters and digits.") };
         widgets::text(ui, &mut None, &row, &mut to);
         if to != *name {
-            pass.acts.push(Act::RenamePart { from: name.clone(), to });
+            pass.commands.push(Command::RenamePart { from: name.clone(), to });
         }
         ui.strong("Transform");
         settings::table(ui, pass, &prefix(Some(name)), "transform");

@@ -1,7 +1,8 @@
 //! Presets as thumbnails.
 
-use super::context::{Act, Pass};
+use super::context::Pass;
 use super::widgets::{named, switch};
+use crate::command::Command;
 use egui::{
     ColorImage, FontId, Id, Pos2, Rect, ScrollArea, Sense, TextWrapMode, TextureHandle, TextureOptions, Ui, Vec2,
 };
@@ -38,7 +39,7 @@ fn pictures_of_all(ui: &mut Ui, pass: &mut Pass<'_>, with_own: bool) {
         let width = ((room - 4.0 * (columns - 1.0)) / columns).floor();
         for (index, name) in scene::names().enumerate() {
             if button(ui, name, index, width, current == Some(name)) {
-                pass.acts.push(Act::Preset { name: name.into(), on_object: !with_own });
+                pass.commands.push(Command::Preset { name: name.into(), on_object: !with_own });
             }
         }
     });

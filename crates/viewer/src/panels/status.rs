@@ -1,6 +1,6 @@
 //! Status for the panels.
 
-use crate::keys::Action;
+use crate::command::Command;
 use crate::message::Message;
 use crate::playback::Playback;
 use std::sync::Arc;
@@ -54,6 +54,6 @@ pub struct Status {
     pub lesson: bool,
     /// Whether a drag keeps the vertical axis upright.
     pub level: bool,
-    /// States of the actions that are switched on and off.
-    pub states: Vec<(Action, bool)>,
+    /// States of the commands that are switched on and off.
+    pub states: Vec<(Command, bool)>,
 }

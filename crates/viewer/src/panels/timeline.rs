@@ -2,9 +2,9 @@
 
 use super::axis::{Axis, LEFT, frame, ticks};
 use super::keyframes::Keyframes;
-use super::request::Request;
 use super::status::Status;
 use super::widgets::{button, named, short};
+use crate::command::Command;
 use crate::model::Model;
 use crate::playback::Playback;
 use egui::{Align, DragValue, Layout, Rect, Slider, SliderClamping, Ui, vec2};
@@ -17,16 +17,16 @@ pub(super) fn show(
     status: &Status,
     keyframes: &mut Keyframes,
     (fps, is_row): (f64, bool),
-    requests: &mut Vec<Request>,
+    commands: &mut Vec<Command>,
 ) {
     let (mut playback, mut time) = (status.playback, status.time.unwrap_or(model.scene().camera.time));
     ui.horizontal(|ui| {
         let (text, doc) = if status.paused { ("\u{23f5}", "Play (Space).") } else { ("\u{23f8}", "Pause (Space).") };
         if button(ui, text, "timeline play", doc).clicked() {
-            requests.push(Request::Pause(!status.paused));
+            commands.push(Command::Play);
         }
         if button(ui, "\u{23ee}", "timeline start", "Go to the beginning.").clicked() {
-            requests.push(Request::Time(playback.range[0]));
+            commands.push(Command::Time(playback.range[0]));
         }
         let speed =
             DragValue::new(&mut playback.speed).range(0.01..=100.0).speed(0.01).prefix("\u{d7} ").max_decimals(2);
@@ -39,12 +39,12 @@ pub(super) fn show(
         seamless(ui, model, playback.range, is_edited);
         keyframes.switch(ui, model, &mut playback);
         if is_row {
-            slider(ui, &mut time, playback.range, requests);
+            slider(ui, &mut time, playback.range, commands);
         }
     });
     playback.range[1] = playback.range[1].max(playback.range[0] + 0.01);
     if playback != status.playback {
-        requests.push(Request::Playback(playback));
+        commands.push(Command::Playback(playback));
     }
     if is_row {
         return;
@@ -58,11 +58,11 @@ pub(super) fn show(
             let drag = DragValue::new(&mut time).speed(0.02).suffix(" s").custom_formatter(|time, _| short(time));
             let response = ui.add(drag);
             if named(ui, &response, "timeline time").on_hover_text("Time, seconds.").changed() {
-                requests.push(Request::Time(time));
+                commands.push(Command::Time(time));
             }
             ui.weak(format!("frame {:.0}", frame(time, fps)));
         });
-        let place = slider(ui, &mut time, playback.range, requests);
+        let place = slider(ui, &mut time, playback.range, commands);
         // The handle of a slider stays within its ends.
         let aspect = match ui.visuals().handle_shape {
             egui::style::HandleShape::Circle => 1.0,
@@ -73,16 +73,16 @@ pub(super) fn show(
     });
     let axis = axis.inner;
     ticks(ui, &axis);
-    keyframes.show(ui, model, &axis, requests);
+    keyframes.show(ui, model, &axis, commands);
 }
 
 /// The handle of the time, over the rest of the row; returns its place.
-fn slider(ui: &mut Ui, time: &mut f64, [from, to]: [f64; 2], requests: &mut Vec<Request>) -> Rect {
+fn slider(ui: &mut Ui, time: &mut f64, [from, to]: [f64; 2], commands: &mut Vec<Command>) -> Rect {
     ui.spacing_mut().slider_width = ui.available_width().max(60.0);
     let slider = Slider::new(time, from..=to).clamping(SliderClamping::Never).show_value(false);
     let response = ui.add(slider);
     if named(ui, &response, "timeline").on_hover_text("Time; drag it to scrub.").changed() {
-        requests.push(Request::Time(*time));
+        commands.push(Command::Time(*time));
     }
     response.rect
 }

@@ -1,8 +1,8 @@
 //! Toolbar and file section.
 
-use super::context::{Act, Pass};
-use super::request::Request;
+use super::context::Pass;
 use super::widgets::{button, named, toggle};
+use crate::command::Command;
 use egui::{Button, RichText, TextEdit, Ui};
 use std::path::PathBuf;
 
@@ -16,10 +16,10 @@ pub(super) fn history(ui: &mut Ui, pass: &mut Pass<'_>, author_is_open: &mut boo
             named(ui, &response.on_hover_text(format!("{text}: {tip} ({key})")), name).clicked()
         };
         if step(model.undoes(), "Undo", "undo", "Ctrl+Z") {
-            pass.acts.push(Act::Undo);
+            pass.commands.push(Command::Undo);
         }
         if step(model.redoes(), "Redo", "redo", "Ctrl+Shift+Z") {
-            pass.acts.push(Act::Redo);
+            pass.commands.push(Command::Redo);
         }
         if button(ui, "Copy command", "copy", "Copy the command line that renders this picture.").clicked() {
             ui.ctx().copy_text(model.command_line());
@@ -31,23 +31,20 @@ pub(super) fn history(ui: &mut Ui, pass: &mut Pass<'_>, author_is_open: &mut boo
 
 fn window(ui: &mut Ui, pass: &mut Pass<'_>) {
     let status = pass.status;
-    let mut ask = |ui: &mut Ui, on: bool, text: &str, name: &str, doc: &str, request: Request| {
+    let mut ask = |ui: &mut Ui, on: bool, text: &str, name: &str, doc: &str, command: Command| {
         if toggle(ui, on, text, name, doc).clicked() {
-            pass.requests.push(request);
+            pass.commands.push(command);
         }
     };
-    let (text, doc) = match status.paused {
-        true => ("\u{25b6} Play", "Play (Space)."),
-        false => ("\u{23f8} Pause", "Pause (Space)."),
-    };
-    ask(ui, !status.paused, text, "pause", doc, Request::Pause(!status.paused));
+    let (text, doc) =
+        if status.paused { ("\u{25b6} Play", "Play (Space).") } else { ("\u{23f8} Pause", "Pause (Space).") };
+    ask(ui, !status.paused, text, "pause", doc, Command::Play);
     let doc = "Write the pictures of a turntable, or stop (T).";
-    ask(ui, status.recording, "Turntable", "record", doc, Request::Record(!status.recording));
-    let other = (!status.split).then(|| Box::new(pass.model.scene().clone()));
+    ask(ui, status.recording, "Turntable", "record", doc, Command::Turntable);
     let doc = "Pin this scene and compare with it (C).";
-    ask(ui, status.split, "Compare", "compare", doc, Request::Split(other));
+    ask(ui, status.split, "Compare", "compare", doc, Command::Compare);
     let doc = "Slices, soft regions and turbulence of this scene, explained (L).";
-    ask(ui, status.lesson, "How it works", "lesson", doc, Request::Lesson(!status.lesson));
+    ask(ui, status.lesson, "How it works", "lesson", doc, Command::Lesson);
 }
 
 /// Fields and buttons for files.
@@ -69,25 +66,27 @@ pub(super) fn files(ui: &mut Ui, pass: &mut Pass<'_>, paths: &mut [String; 2], r
         line(ui, file, "file.scene");
         if button(ui, "open", "file.open", "Open a scene file (.toml), or another file as the object.").clicked() {
             let file = file.trim();
-            pass.acts.push(if file.is_empty() { Act::Choose } else { Act::Open(PathBuf::from(file)) });
+            let command = if file.is_empty() { Command::ChooseFile } else { Command::Open(file.into()) };
+            pass.commands.push(command);
         }
         if button(ui, "browse", "file.browse", "Choose a file (Ctrl+O).").clicked() {
-            pass.acts.push(Act::Choose);
+            pass.commands.push(Command::ChooseFile);
         }
         if button(ui, "save", "file.save", "Write the scene, complete with defaults.").clicked() {
-            pass.acts.push(Act::Save(PathBuf::from(file.trim())));
+            let file = file.trim();
+            pass.commands.push(if file.is_empty() { Command::Save } else { Command::SaveTo(file.into()) });
         }
     });
     ui.horizontal_wrapped(|ui| {
         line(ui, picture, "file.picture");
         if button(ui, "screenshot", "file.screenshot", "Write the current picture: .png or .exr.").clicked() {
-            pass.requests.push(Request::Screenshot(PathBuf::from(picture.trim())));
+            pass.commands.push(Command::Screenshot(PathBuf::from(picture.trim())));
         }
     });
     for path in recent {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         if button(ui, &name, &format!("recent {}", path.display()), &path.display().to_string()).clicked() {
-            pass.acts.push(Act::Open(path.clone()));
+            pass.commands.push(Command::Open(path.clone()));
         }
     }
 }

@@ -4,9 +4,9 @@
 
 use super::context::{Pass, own, prefix};
 use super::field_menu;
-use super::request::Request;
 use super::settings;
 use super::widgets::{button, color, field, named, number, painted};
+use crate::command::Command;
 use egui::{
     Align2, Color32, CornerRadius, FontId, Pos2, Rect, Response, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, pos2, vec2,
 };
@@ -33,7 +33,7 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, selecte
         ui.weak("not used by this effect, but by medium transfer and classify post, pre, preintegrated and clear");
     }
     settings::show(ui, pass, &prefix(part), "transfer.curve");
-    pass.requests.push(Request::Densities);
+    pass.commands.push(Command::Densities);
     let before = own(&mut pass.draft, part).transfer.clone();
     field_menu::of_setting(ui, pass, &at("stops"), |ui, pass| {
         let transfer = own(&mut pass.draft, part).transfer;

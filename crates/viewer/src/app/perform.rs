@@ -1,10 +1,10 @@
-//! Actions of keys, panels and dropped files.
+//! Commands of keys, panels and dropped files.
 
 use super::state::App;
+use crate::command::Command;
 use crate::finals::Order;
-use crate::keys::Action;
 use crate::painting::SEVERAL;
-use crate::panels::{Question, Request, SIDES};
+use crate::panels::{Question, SIDES};
 use crate::worker::Variant;
 use egui::Ui;
 use hypertexture::scene::{self, Camera, Scene};
@@ -19,98 +19,182 @@ use std::time::{Duration, Instant};
 const CALM: Duration = Duration::from_millis(500);
 
 impl App {
-    /// Performs the action of a key. One without an effect says why.
-    pub(super) fn act(&mut self, action: Action) {
-        match action {
-            Action::New => self.request(Request::New),
-            Action::Open => self.panels.choose_file(),
-            Action::Save => self.panels.save(&mut self.model),
-            Action::SaveAs => self.panels.save_as(&self.model),
-            Action::Export => self.panels.finals.is_open ^= true,
-            Action::Quit => self.ask_to_quit(),
-            Action::Undo => {
+    /// Performs a command. One without an effect says why.
+    pub(super) fn perform(&mut self, command: Command) {
+        match command {
+            // Texts of modules and running renders go on.
+            Command::New if self.model.is_dirty() => self.panels.ask(Question::New),
+            Command::New | Command::Begin => self.begin(),
+            Command::Open(_) => {
+                self.loader.failed = None;
+                self.panels.perform(command, &mut self.model);
+            }
+            Command::ChooseFile
+            | Command::Save
+            | Command::SaveTo(_)
+            | Command::SaveAs
+            | Command::Restore(_)
+            | Command::Preset { .. }
+            | Command::AddPart
+            | Command::RemovePart(_)
+            | Command::RenamePart { .. } => drop(self.panels.perform(command, &mut self.model)),
+            Command::Export => self.panels.finals.is_open ^= true,
+            Command::AskToQuit => self.ask_to_quit(),
+            Command::Quit => self.quit = true,
+            Command::Undo => {
                 if !self.model.undo() {
                     self.note("there is nothing to undo");
                 }
             }
-            Action::Redo => {
+            Command::Redo => {
                 if !self.model.redo() {
                     self.note("there is nothing to redo");
                 }
             }
-            Action::Duplicate => self.duplicate(),
-            Action::Delete => self.delete(),
-            Action::Place => self.toggle_placement(),
-            Action::Paint => self.toggle_brush(),
-            Action::Weaker => self.strengthen(0.8),
-            Action::Stronger => self.strengthen(1.25),
-            Action::Frame => self.frame_objects(),
-            Action::Reset => self.request(Request::ResetCamera),
-            Action::Side(index) => {
-                let (name, azimuth, elevation) = SIDES[index];
-                self.navigation.glide = None;
-                if self.turns() {
-                    self.model.look(|camera| {
-                        (camera.azimuth, camera.elevation, camera.rotation) = (azimuth, elevation, None);
-                    });
-                    self.model.end_undo_group();
-                    self.note(format!("from the {name}"));
-                }
-            }
-            Action::Level => {
+            Command::PreviousPreset => self.step(-1),
+            Command::NextPreset => self.step(1),
+            Command::Duplicate => self.duplicate(),
+            Command::Delete => self.delete(),
+            Command::Place => self.toggle_placement(),
+            Command::Paint => self.toggle_brush(),
+            Command::WeakerBrush => self.strengthen(0.8),
+            Command::StrongerBrush => self.strengthen(1.25),
+            Command::Frame => self.frame_objects(),
+            Command::ResetCamera => self.reset_camera(),
+            Command::Side(index) => self.look_from_side(index),
+            Command::LevelOrbit => {
                 self.navigation.level = !self.navigation.level;
                 self.note(if self.navigation.level { "a drag orbits level" } else { "a drag turns like a ball" });
             }
-            Action::Inertia => {
+            Command::Inertia => {
                 self.navigation.inertia = !self.navigation.inertia;
                 self.navigation.glide = None;
                 self.note(if self.navigation.inertia { "inertia on" } else { "inertia off" });
             }
-            Action::Panels => self.panels.hidden ^= true,
-            Action::Controls => self.panels.hidden = false,
-            Action::FullScreen => self.full_screen = !self.full_screen,
-            Action::Play => self.request(Request::Pause(self.time.clock.is_some())),
-            Action::Previous => self.step(-1),
-            Action::Next => self.step(1),
-            Action::Screenshot => self.request(Request::Screenshot(self.free_name("hypertexture", ".png"))),
-            Action::Record => self.request(Request::Record(self.panels.finals.frames().is_none())),
-            Action::Compare => {
-                let kept = self.comparison.pinned.is_none().then(|| Box::new(self.shown()));
-                self.request(Request::Split(kept));
-            }
-            Action::Look if self.comparison.pinned.is_none() => {
+            Command::Panels => self.panels.hidden ^= true,
+            Command::FocusControls => self.panels.hidden = false,
+            Command::FullScreen => self.full_screen = !self.full_screen,
+            Command::Play => self.toggle_time(),
+            Command::Time(time) => self.set_time(time),
+            Command::Playback(playback) => self.time.playback = playback,
+            Command::WritePicture => self.screenshot(self.free_name("hypertexture", ".png")),
+            Command::Screenshot(path) => self.screenshot(path),
+            Command::Turntable => self.toggle_turntable(),
+            Command::Compare => self.toggle_comparison(),
+            Command::NextComparison if self.comparison.pinned.is_none() => {
                 self.note("there is nothing to compare with: C pins this variant first");
             }
-            Action::Look => self.comparison.view.next(),
-            Action::Inspect => self.inspect_under_pointer(),
-            Action::Worst => self.jump_to_worst(),
-            Action::Validity => self.request(Request::Validity(!self.validity)),
-            Action::Help => self.help = !self.help,
-            Action::Lesson => self.lesson.is_open ^= true,
-            Action::Leave if self.help => self.help = false,
-            Action::Leave if self.objects.places => self.toggle_placement(),
-            Action::Leave if self.panels.painting.is_on => self.toggle_brush(),
-            Action::Leave if self.full_screen => self.full_screen = false,
-            Action::Leave => self.panels.ask(Question::Quit),
+            Command::NextComparison => self.comparison.view.next(),
+            Command::InspectPixel => self.inspect_under_pointer(),
+            Command::WorstPixel => self.jump_to_worst(),
+            Command::Validity => {
+                self.validity = !self.validity;
+                // The validity is that of one variant.
+                self.comparison.pinned = self.comparison.pinned.take().filter(|_| !self.validity);
+            }
+            Command::MaxError(error) => {
+                (self.max_error, self.search.pick) = (error, error);
+                if self.figures.picking.is_some() {
+                    self.stop(); // the search was for the old target
+                }
+            }
+            Command::Densities => {
+                if let Some(job) = self.jobs.submitted.as_ref().filter(|job| !job.moving) {
+                    self.densities.request(job, &self.notify);
+                }
+            }
+            Command::Help => self.help = !self.help,
+            Command::Lesson => self.lesson.is_open ^= true,
+            Command::Leave => self.leave(),
         }
     }
 
-    /// States of the actions that are switched on and off.
-    pub(super) fn states(&self) -> Vec<(Action, bool)> {
+    /// Ends the innermost mode: the list of keys, the placement, the brush, the full screen; then asks to quit.
+    fn leave(&mut self) {
+        if self.help {
+            self.help = false;
+        } else if self.objects.places {
+            self.toggle_placement();
+        } else if self.panels.painting.is_on {
+            self.toggle_brush();
+        } else if self.full_screen {
+            self.full_screen = false;
+        } else {
+            self.panels.ask(Question::Quit);
+        }
+    }
+
+    fn look_from_side(&mut self, index: usize) {
+        let (name, azimuth, elevation) = SIDES[index];
+        self.navigation.glide = None;
+        if self.turns() {
+            self.model.look(|camera| {
+                (camera.azimuth, camera.elevation, camera.rotation) = (azimuth, elevation, None);
+            });
+            self.model.end_undo_group();
+            self.note(format!("from the {name}"));
+        }
+    }
+
+    fn reset_camera(&mut self) {
+        let time = self.model.scene().camera.time;
+        let home = Camera { time, ..self.model.home().clone() };
+        self.navigation.glide = None;
+        // A step of the history: more than the view is replaced.
+        self.model.end_undo_group();
+        self.model.edit("reset view", |scene| scene.camera = home);
+        self.model.end_undo_group();
+    }
+
+    /// Plays or pauses.
+    fn toggle_time(&mut self) {
+        match self.time.clock.take() {
+            Some(clock) => drop(self.model.look(|camera| camera.time = clock)),
+            None => self.time.clock = Some(self.model.scene().camera.time),
+        }
+    }
+
+    fn set_time(&mut self, time: f64) {
+        self.time.playback.reach(time);
+        match &mut self.time.clock {
+            Some(clock) => *clock = time,
+            None => drop(self.model.look(|camera| camera.time = time)),
+        }
+    }
+
+    fn toggle_turntable(&mut self) {
+        if self.panels.finals.frames().is_some() {
+            return self.panels.finals.stop();
+        }
+        let (scene, path) = (self.timed(), self.free_name("turntable", "_####.png"));
+        self.panels.finals.add(Order::turntable(scene, self.model.library().clone(), path));
+    }
+
+    /// Pins this variant, or ends the comparison.
+    fn toggle_comparison(&mut self) {
+        self.comparison.pinned = match self.comparison.pinned {
+            Some(_) => None,
+            None => Some((self.shown(), self.library.clone())),
+        };
+        self.validity &= self.comparison.pinned.is_none();
+    }
+
+    /// States of the commands that are switched on and off.
+    pub(super) fn states(&self) -> Vec<(Command, bool)> {
         [
-            (Action::Play, self.time.clock.is_some()),
-            (Action::Compare, self.comparison.pinned.is_some()),
-            (Action::Validity, self.validity),
-            (Action::Paint, self.panels.painting.is_on),
-            (Action::Inertia, self.navigation.inertia),
-            (Action::Level, self.navigation.level),
-            (Action::Inspect, self.inspector.is_open()),
-            (Action::Lesson, self.lesson.is_open),
-            (Action::Place, self.objects.places),
-            (Action::FullScreen, self.full_screen),
-            (Action::Record, self.panels.finals.frames().is_some()),
-            (Action::Panels, self.panels.hidden),
-            (Action::Help, self.help),
+            (Command::Play, self.time.clock.is_some()),
+            (Command::Compare, self.comparison.pinned.is_some()),
+            (Command::Validity, self.validity),
+            (Command::Paint, self.panels.painting.is_on),
+            (Command::Inertia, self.navigation.inertia),
+            (Command::LevelOrbit, self.navigation.level),
+            (Command::InspectPixel, self.inspector.is_open()),
+            (Command::Lesson, self.lesson.is_open),
+            (Command::Place, self.objects.places),
+            (Command::FullScreen, self.full_screen),
+            (Command::Turntable, self.panels.finals.frames().is_some()),
+            (Command::Panels, self.panels.hidden),
+            (Command::Help, self.help),
         ]
         .into()
     }
@@ -122,9 +206,10 @@ impl App {
             return self.note(SEVERAL);
         }
         self.panels.painting.is_on ^= true;
-        self.note(match self.panels.painting.is_on {
-            true => "the brush paints where a drag begins on the object; beside it, the drag turns the view",
-            false => "the brush is off",
+        self.note(if self.panels.painting.is_on {
+            "the brush paints where a drag begins on the object; beside it, the drag turns the view"
+        } else {
+            "the brush is off"
         });
     }
 
@@ -175,68 +260,6 @@ impl App {
         !is_fixed
     }
 
-    pub(super) fn request(&mut self, request: Request) {
-        match request {
-            Request::Screenshot(path) => self.screenshot(path),
-            Request::ResetCamera => {
-                let time = self.model.scene().camera.time;
-                let home = Camera { time, ..self.model.home().clone() };
-                self.navigation.glide = None;
-                // A step of the history: more than the view is replaced.
-                self.model.end_undo_group();
-                self.model.edit("reset view", |scene| scene.camera = home);
-                self.model.end_undo_group();
-            }
-            Request::Split(kept) => {
-                self.comparison.pinned = kept.map(|scene| (*scene, self.library.clone()));
-                self.validity &= self.comparison.pinned.is_none();
-            }
-            Request::Validity(on) => {
-                self.validity = on;
-                self.comparison.pinned = self.comparison.pinned.take().filter(|_| !on); // it is that of one variant
-            }
-            Request::Record(true) => {
-                let (scene, path) = (self.timed(), self.free_name("turntable", "_####.png"));
-                self.panels.finals.add(Order::turntable(scene, self.model.library().clone(), path));
-            }
-            Request::Record(false) => self.panels.finals.stop(),
-            Request::Pause(false) => self.time.clock = Some(self.model.scene().camera.time),
-            Request::Pause(true) => {
-                if let Some(clock) = self.time.clock.take() {
-                    self.model.look(|camera| camera.time = clock);
-                }
-            }
-            Request::Time(time) => {
-                self.time.playback.reach(time);
-                match &mut self.time.clock {
-                    Some(clock) => *clock = time,
-                    None => drop(self.model.look(|camera| camera.time = time)),
-                }
-            }
-            Request::Playback(playback) => self.time.playback = playback,
-            Request::Lesson(open) => self.lesson.is_open = open,
-            Request::Level(level) => self.navigation.level = level,
-            Request::MaxError(error) => {
-                (self.max_error, self.search.pick) = (error, error);
-                if self.figures.picking.is_some() {
-                    self.stop(); // the search was for the old target
-                }
-            }
-            Request::Densities => {
-                if let Some(job) = self.jobs.submitted.as_ref().filter(|job| !job.moving) {
-                    self.densities.request(job, &self.notify);
-                }
-            }
-            Request::Open(path) => self.open(&path),
-            Request::Act(action) => self.act(action),
-            // Texts of modules and running renders go on.
-            Request::New if self.model.is_dirty() => self.panels.ask(Question::New),
-            Request::New => self.begin(),
-            Request::Begin => self.begin(),
-            Request::Quit => self.quit = true,
-        }
-    }
-
     /// Begins a new scene.
     fn begin(&mut self) {
         self.navigation.glide = None;
@@ -269,19 +292,6 @@ impl App {
     pub(super) fn stop(&self) {
         if let Some(worker) = &self.worker {
             worker.stop();
-        }
-    }
-
-    /// Opens a mesh, a scan or a scene file as the scene, or a module in the editor.
-    pub(crate) fn open(&mut self, path: &Path) {
-        self.loader.failed = None;
-        if path.extension().is_some_and(|end| end == "glsl") {
-            match self.panels.author.watch(self.model.library(), path) {
-                Ok(()) => self.panels.author_is_open = true,
-                Err(reason) => self.fail(reason),
-            }
-        } else {
-            self.model.open(path);
         }
     }
 
