@@ -7,7 +7,7 @@ use clap::Parser;
 use hypertexture::scene::{self, Color, Jitter, ParameterValue, Scene, preset};
 use hypertexture::shader;
 use hypertexture_support::random::SplitMix;
-use hypertexture_viewer::model::Model;
+use hypertexture_viewer::document::model::Model;
 
 /// The words of a line, as `sh` reads them.
 fn words(line: &str) -> Vec<String> {

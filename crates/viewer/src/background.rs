@@ -14,15 +14,15 @@ use std::thread::{self, Builder, JoinHandle};
 const STACK: usize = 16 << 20;
 
 /// Wakes the window from another thread.
-pub(super) type Notify = Arc<dyn Fn() + Send + Sync>;
+pub(crate) type Notify = Arc<dyn Fn() + Send + Sync>;
 
 /// A notification without effect, for an owner that polls by itself.
-pub(super) fn silent() -> Notify {
+pub(crate) fn silent() -> Notify {
     Arc::new(|| ())
 }
 
 /// A computation on a thread, which yields any number of values. Dropping it cancels the computation.
-pub(super) struct Background<T> {
+pub(crate) struct Background<T> {
     cancelled: Arc<AtomicBool>,
     progress: Arc<AtomicU32>,
     values: mpsc::Receiver<T>,
@@ -30,7 +30,7 @@ pub(super) struct Background<T> {
 }
 
 /// The side of a [`Background`] that the computation sees.
-pub(super) struct Task<T> {
+pub(crate) struct Task<T> {
     cancelled: Arc<AtomicBool>,
     progress: Arc<AtomicU32>,
     values: mpsc::Sender<T>,
@@ -39,7 +39,7 @@ pub(super) struct Task<T> {
 
 impl<T: Send + 'static> Background<T> {
     /// Starts `work`. `notify` is called for each value and at the end.
-    pub(super) fn start(notify: &Notify, work: impl FnOnce(&Task<T>) + Send + 'static) -> Background<T> {
+    pub(crate) fn start(notify: &Notify, work: impl FnOnce(&Task<T>) + Send + 'static) -> Background<T> {
         let (mut background, sender) = Background::idle();
         let (cancelled, progress) = (background.cancelled.clone(), background.progress.clone());
         let (task, notify) = (Task { cancelled, progress, values: sender, notify: notify.clone() }, notify.clone());
@@ -63,7 +63,7 @@ impl<T: Send + 'static> Background<T> {
 
     /// A computation that ends only by cancellation, and its cancel flag.
     #[cfg(test)]
-    pub(super) fn endless() -> (Background<T>, Arc<AtomicBool>) {
+    pub(crate) fn endless() -> (Background<T>, Arc<AtomicBool>) {
         let (background, sender) = Background::idle();
         std::mem::forget(sender);
         let cancelled = background.cancelled.clone();
@@ -71,7 +71,7 @@ impl<T: Send + 'static> Background<T> {
     }
 
     /// The next value; `Ready(None)` after the last one, and after a panic of the computation.
-    pub(super) fn poll(&self) -> Poll<Option<T>> {
+    pub(crate) fn poll(&self) -> Poll<Option<T>> {
         match self.values.try_recv() {
             Ok(value) => Poll::Ready(Some(value)),
             Err(TryRecvError::Empty) => Poll::Pending,
@@ -80,19 +80,19 @@ impl<T: Send + 'static> Background<T> {
     }
 
     /// Waits for the end of the thread; `Err` if it panicked.
-    pub(super) fn join(mut self) -> thread::Result<()> {
+    pub(crate) fn join(mut self) -> thread::Result<()> {
         self.thread.take().map_or(Ok(()), JoinHandle::join)
     }
 }
 
 impl<T> Background<T> {
     /// Cancels the computation; its values remain to be polled.
-    pub(super) fn cancel(&self) {
+    pub(crate) fn cancel(&self) {
         self.cancelled.store(true, Ordering::Relaxed);
     }
 
     /// The fraction of the work that is done.
-    pub(super) fn progress(&self) -> f32 {
+    pub(crate) fn progress(&self) -> f32 {
         f32::from_bits(self.progress.load(Ordering::Relaxed))
     }
 }
@@ -105,19 +105,19 @@ impl<T> Drop for Background<T> {
 
 impl<T> Task<T> {
     /// Sends a value to the window.
-    pub(super) fn send(&self, value: T) {
+    pub(crate) fn send(&self, value: T) {
         // The receiver is gone if the computation was cancelled.
         let _ = self.values.send(value);
         (self.notify)();
     }
 
     /// Whether the task was cancelled.
-    pub(super) fn is_cancelled(&self) -> bool {
+    pub(crate) fn is_cancelled(&self) -> bool {
         self.cancelled.load(Ordering::Relaxed)
     }
 
     /// Reports progress, and unwinds out of the computation if it was cancelled.
-    pub(super) fn report(&self, fraction: f32) {
+    pub(crate) fn report(&self, fraction: f32) {
         self.progress.store(fraction.to_bits(), Ordering::Relaxed);
         cancel_if(self.is_cancelled());
     }
@@ -128,14 +128,14 @@ struct Cancelled;
 
 /// Unwinds to [`catch_cancellation`] if `cancelled`. Computations that span threads have no other way out; their partial
 /// results are dropped.
-pub(super) fn cancel_if(cancelled: bool) {
+pub(crate) fn cancel_if(cancelled: bool) {
     if cancelled {
         panic::resume_unwind(Box::new(Cancelled));
     }
 }
 
 /// Runs `work`; `None` if [`cancel_if`] ended it.
-pub(super) fn catch_cancellation<T>(work: impl FnOnce() -> T) -> Option<T> {
+pub(crate) fn catch_cancellation<T>(work: impl FnOnce() -> T) -> Option<T> {
     match panic::catch_unwind(AssertUnwindSafe(work)) {
         Ok(done) => Some(done),
         Err(reason) if reason.is::<Cancelled>() => None,

@@ -5,7 +5,7 @@ use egui::accesskit::{Action, ActionRequest, Role};
 use egui::{Event, Id, Key, Modifiers, Rect, Shape, TextEdit};
 use egui_kittest::kittest::{NodeT, Queryable};
 use hypertexture::scene::preset;
-use hypertexture_viewer::author::State;
+use hypertexture_viewer::document::author::State;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 

@@ -5,7 +5,7 @@ use egui::Key;
 use egui::accesskit::Action;
 use egui_kittest::kittest::{NodeT, Queryable};
 use hypertexture::scene::{Camera, Ease, Track, preset};
-use hypertexture_viewer::command::Command;
+use hypertexture_viewer::input::Command;
 use hypertexture_viewer::playback::Playback;
 
 #[test]

@@ -4,7 +4,7 @@ use egui::accesskit::{Action, ActionData, ActionRequest};
 use egui::{Event, Key, PointerButton, Pos2, Rect, pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use hypertexture_viewer::compare::{CompareMode, Comparison};
+use hypertexture_viewer::screen::{CompareMode, Comparison};
 
 const PLACE: Rect = Rect { min: pos2(20.0, 10.0), max: pos2(620.0, 410.0) };
 

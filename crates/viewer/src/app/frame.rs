@@ -1,9 +1,9 @@
 //! One frame of the window.
 
 use super::state::App;
-use crate::command::Command;
-use crate::keys;
-use crate::status::Stage;
+use crate::input::Command;
+use crate::input::keys;
+use crate::worker::Stage;
 use egui::{Sense, Ui};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};

@@ -1,7 +1,7 @@
 //! The gizmo: own axes of the placed object or the sun of the placed light, and numbers typed while placing.
 
 use super::state::App;
-use crate::keys;
+use crate::input::keys;
 use egui::{Align2, Color32, Context, Event, FontId, Key, PointerButton, Pos2, Response, Stroke, Ui, Vec2, vec2};
 use glam::{EulerRot, Quat, Vec3};
 use hypertexture::render::ViewPose;

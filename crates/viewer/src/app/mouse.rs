@@ -1,8 +1,8 @@
 //! Mouse input over the picture.
 
 use super::state::{App, Drag};
-use crate::keys;
-use crate::trackball::{drag_light, orbit, zoom_to};
+use crate::input::keys;
+use crate::input::trackball::{drag_light, orbit, zoom_to};
 use crate::worker::Variant;
 use egui::{Color32, PointerButton, Pos2, Response, Stroke, Ui, Vec2};
 use glam::DVec3;

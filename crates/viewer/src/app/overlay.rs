@@ -1,12 +1,12 @@
 //! Overlays of the picture.
 
 use super::state::App;
-use crate::command::Command;
-use crate::keys;
+use crate::input::Command;
+use crate::input::keys;
 use crate::load::Progress;
 use crate::panels::widgets::{brief, named};
 use crate::panels::{self, MENUS};
-use crate::status::Cost;
+use crate::worker::Cost;
 use egui::{Align2, Area, Color32, Frame, Id, Label, ProgressBar, RichText, ScrollArea, Sense};
 use egui::{TextEdit, Ui, Vec2, Window};
 use hypertexture::scene::Scene;

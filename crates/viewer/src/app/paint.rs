@@ -1,7 +1,7 @@
 //! Strokes of the brush over the picture.
 
 use super::state::App;
-use crate::painting::SEVERAL;
+use crate::document::painting::SEVERAL;
 use crate::worker::Variant;
 use egui::{Color32, PointerButton, Pos2, Response, Shape, Stroke, Ui};
 use glam::Vec3;

@@ -1,9 +1,9 @@
 //! Commands of keys, panels and dropped files.
 
 use super::state::App;
-use crate::command::Command;
-use crate::finals::Order;
-use crate::painting::SEVERAL;
+use crate::document::exports::Order;
+use crate::document::painting::SEVERAL;
+use crate::input::Command;
 use crate::panels::{Question, SIDES};
 use crate::worker::Variant;
 use egui::Ui;

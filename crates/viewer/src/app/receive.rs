@@ -2,8 +2,8 @@
 
 use super::state::{App, GOOD, Standing};
 use crate::panels::Status;
-use crate::status::{Figures, Stage};
 use crate::worker::Event;
+use crate::worker::{Figures, Stage};
 
 impl App {
     /// Receives results of other threads.

@@ -1,22 +1,22 @@
 //! The state of the window, in parts by subject.
 
 use crate::ViewError;
-use crate::author::Author;
 use crate::background::{Background, Notify};
-use crate::compare::Comparison;
-use crate::densities::Densities;
+use crate::document::author::Author;
+use crate::document::model::Model;
+use crate::document::unsaved::{self, Latest};
+use crate::facts::Densities;
+use crate::facts::UnusedSettings;
+use crate::input::trackball::Trackball;
 use crate::inspect::Inspector;
 use crate::lesson::Lesson;
 use crate::load::{Loader, Progress};
 use crate::message::Message;
-use crate::model::Model;
 use crate::panels::Panels;
 use crate::playback::Playback;
+use crate::screen::Comparison;
 use crate::screen::Screen;
-use crate::status::Figures;
-use crate::trackball::Trackball;
-use crate::unsaved::{self, Latest};
-use crate::unused_settings::UnusedSettings;
+use crate::worker::Figures;
 use crate::worker::{Job, Worker};
 use egui::{Pos2, Rect};
 use glam::DVec3;

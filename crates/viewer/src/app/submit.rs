@@ -1,7 +1,7 @@
 //! Jobs for the render thread.
 
 use super::state::{App, GOOD, Standing};
-use crate::coarse::SIDE;
+use crate::load::SIDE;
 use crate::worker::{Job, Variant, sight};
 use egui::Ui;
 use hypertexture::scene::Scene;
@@ -177,7 +177,7 @@ mod tests {
     use super::super::Start;
     use super::super::frame::HOLD;
     use super::*;
-    use crate::status::Stage;
+    use crate::worker::Stage;
     use hypertexture::gpu::Options;
     use hypertexture::render::Subject;
     use hypertexture::scene::{ParameterValue, preset};

@@ -4,7 +4,7 @@ use super::search::{PixelReport, Search};
 use super::worst::worst;
 use crate::background::Notify;
 use crate::screen::Frame;
-use crate::status::Stage;
+use crate::worker::Stage;
 use crate::worker::{Job, Variant};
 
 /// Number of most different pixels, and their minimal distance in pixels.

@@ -8,9 +8,7 @@ mod search;
 mod window;
 mod worst;
 
-pub use inspector::Inspector;
-pub use search::{Exact, PixelReport};
-pub use worst::worst;
+pub(crate) use inspector::Inspector;
 
 #[cfg(test)]
 mod tests;

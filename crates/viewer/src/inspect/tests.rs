@@ -1,11 +1,11 @@
 //! The inspector, used as a person uses it, without a window.
 
-use super::search::Search;
+use super::Inspector;
+use super::search::{PixelReport, Search};
 use super::window::known;
-use super::*;
 use crate::background::silent;
 use crate::screen::Frame;
-use crate::status::Stage;
+use crate::worker::Stage;
 use crate::worker::{Job, Variant};
 use egui::accesskit::{Action, ActionRequest};
 use egui::{Event, Rect, pos2, vec2};

@@ -5,7 +5,7 @@ use super::state::{Lesson, Page};
 use super::strategies::Measured;
 use super::study::Ray;
 use crate::background::Notify;
-use crate::model::Model;
+use crate::document::model::Model;
 use crate::panels::widgets::{button, named};
 use crate::screen::encode_srgb;
 use crate::worker::{Job, Variant};

@@ -3,7 +3,7 @@
 use super::context::Pass;
 use super::settings;
 use super::widgets::{Field, button, field, number, switch};
-use crate::command::Command;
+use crate::input::Command;
 use egui::Ui;
 use hypertexture::scene::schema::SETTINGS;
 

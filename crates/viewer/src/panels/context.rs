@@ -2,8 +2,8 @@
 
 use super::status::Status;
 use super::widgets::Touch;
-use crate::command::Command;
-use crate::model::Model;
+use crate::document::model::Model;
+use crate::input::Command;
 use egui::Ui;
 use hypertexture::scene::{Effect, ParameterValue, Scene, Transfer};
 use std::collections::BTreeMap;

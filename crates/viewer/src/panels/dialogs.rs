@@ -1,8 +1,8 @@
 //! Questions before data loss, and the file dialog.
 
 use super::widgets::button;
-use crate::command::Command;
-use crate::model::Model;
+use crate::document::model::Model;
+use crate::input::Command;
 use egui::{Id, Modal, RichText, Ui};
 use egui_file_dialog::{DialogMode, DialogState, FileDialog};
 use hypertexture_support::{open, write_whole};

@@ -2,10 +2,10 @@
 
 use super::status::Status;
 use super::widgets::{Field, button, field, fit, named, number, short, switch};
-use crate::author::Gate;
-use crate::finals::{BEHIND, GRID, Kind, Motion, Order, Rendering, is_installed};
+use crate::document::author::Gate;
+use crate::document::exports::{BEHIND, GRID, Kind, Motion, Order, Rendering, is_installed};
+use crate::document::model::Model;
 use crate::message::Message;
-use crate::model::Model;
 use egui::{DragValue, Id, TextEdit, Ui, Window};
 use hypertexture::scene::schema::Unit;
 use std::collections::{BTreeSet, VecDeque};

@@ -3,7 +3,7 @@
 use super::context::Pass;
 use super::settings;
 use super::widgets::{Field, button, color, field, named, number, switch};
-use crate::painting::{Painting, SEVERAL};
+use crate::document::painting::{Painting, SEVERAL};
 use egui::{DragValue, Label, RichText, Ui};
 use hypertexture::scene::schema::Unit;
 use hypertexture::scene::{Color, linear_to_srgb, srgb_to_linear};

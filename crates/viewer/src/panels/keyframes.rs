@@ -3,9 +3,9 @@
 use super::axis::{Axis, LEFT};
 use super::context::Pass;
 use super::widgets::{self, brief, button, named, short};
-use crate::command::Command;
-use crate::keys;
-use crate::model::Model;
+use crate::document::model::Model;
+use crate::input::Command;
+use crate::input::keys;
 use crate::playback::Playback;
 use egui::{
     Button, Color32, Key as KeyName, Pos2, Rect, Response, ScrollArea, Sense, Shape, Stroke, Ui, WidgetInfo,

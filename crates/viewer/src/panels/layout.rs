@@ -7,12 +7,12 @@ use super::{
     accuracy, bookmarks, camera, editor, effect, field_menu, file_info, finals, groom, keyframes, menu, messages,
     object, parameters, presets, settings, status_bar, theme, timeline, toolbar, transfer, widgets,
 };
-use crate::author::Author;
-use crate::command::Command;
+use crate::document::author::Author;
+use crate::document::model::Model;
+use crate::document::painting::Painting;
+use crate::document::unsaved;
+use crate::input::Command;
 use crate::message::Message;
-use crate::model::Model;
-use crate::painting::Painting;
-use crate::unsaved;
 use egui::{CollapsingHeader, Id, Panel, PanelState, RichText, ScrollArea, Ui};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

@@ -1,9 +1,9 @@
 //! The menu bar.
 
 use super::widgets::named;
-use crate::command::Command;
-use crate::keys::KEYS;
-use crate::model::Model;
+use crate::document::model::Model;
+use crate::input::Command;
+use crate::input::keys::KEYS;
 use egui::{Button, MenuBar, Ui};
 use std::path::PathBuf;
 

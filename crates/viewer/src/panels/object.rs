@@ -4,7 +4,7 @@ use super::context::{Pass, prefix};
 use super::field_menu;
 use super::settings;
 use super::widgets::{self, Field, button, choice, field};
-use crate::command::Command;
+use crate::input::Command;
 use egui::{Button, RichText, Sense, Ui, Vec2, vec2};
 use hypertexture::scene::Scene;
 use hypertexture::scene::schema::SETTINGS;

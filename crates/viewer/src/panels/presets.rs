@@ -2,7 +2,7 @@
 
 use super::context::Pass;
 use super::widgets::{named, switch};
-use crate::command::Command;
+use crate::input::Command;
 use egui::{
     ColorImage, FontId, Id, Pos2, Rect, ScrollArea, Sense, TextWrapMode, TextureHandle, TextureOptions, Ui, Vec2,
 };

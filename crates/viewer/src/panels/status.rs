@@ -1,6 +1,6 @@
 //! Status for the panels.
 
-use crate::command::Command;
+use crate::input::Command;
 use crate::message::Message;
 use crate::playback::Playback;
 use std::sync::Arc;

@@ -4,8 +4,8 @@ use super::axis::{Axis, LEFT, frame, ticks};
 use super::keyframes::Keyframes;
 use super::status::Status;
 use super::widgets::{button, named, short};
-use crate::command::Command;
-use crate::model::Model;
+use crate::document::model::Model;
+use crate::input::Command;
 use crate::playback::Playback;
 use egui::{Align, DragValue, Layout, Rect, Slider, SliderClamping, Ui, vec2};
 

@@ -2,7 +2,7 @@
 
 use super::context::Pass;
 use super::widgets::{button, named, toggle};
-use crate::command::Command;
+use crate::input::Command;
 use egui::{Button, RichText, TextEdit, Ui};
 use std::path::PathBuf;
 

@@ -6,7 +6,7 @@ use super::context::{Pass, own, prefix};
 use super::field_menu;
 use super::settings;
 use super::widgets::{button, color, field, named, number, painted};
-use crate::command::Command;
+use crate::input::Command;
 use egui::{
     Align2, Color32, CornerRadius, FontId, Pos2, Rect, Response, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, pos2, vec2,
 };

@@ -29,6 +29,7 @@
 //! quit                             closes the window
 //! ```
 
+mod input_latency;
 mod parse;
 mod run;
 mod widgets;

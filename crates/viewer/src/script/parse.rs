@@ -1,6 +1,6 @@
 //! Parser of scripts.
 
-use crate::keys;
+use crate::input::keys;
 use egui::{Event, Key, Modifiers, PointerButton};
 use std::path::PathBuf;
 

@@ -1,12 +1,12 @@
 //! Execution of scripts.
 
+use super::input_latency::InputLatency;
 use super::parse::{ScriptEvent, Step, key, parse};
 use super::widgets::{Widget, button, drag, find, request};
 use crate::ViewError;
 use crate::app::App;
-use crate::author::State;
-use crate::input_latency::InputLatency;
-use crate::status::Stage;
+use crate::document::author::State;
+use crate::worker::Stage;
 use accesskit::{Action, ActionData};
 use egui::{Event, Key, Modifiers, MouseWheelUnit, PointerButton, TouchPhase, Vec2, accesskit};
 use hypertexture_support::open;

@@ -3,8 +3,8 @@
 use super::job::{Event, Job, Variant};
 use super::render_thread::RenderThread;
 use super::shared::Shared;
-use crate::author::Gate;
 use crate::background::Notify;
+use crate::document::author::Gate;
 use hypertexture::gpu::Gpu;
 use hypertexture_measure::pick::ErrorBound;
 use std::sync::atomic::Ordering;

@@ -1,7 +1,7 @@
 //! Jobs for the render thread, and its events.
 
+use super::status::{Cost, Stage};
 use crate::screen::Encoded;
-use crate::status::{Cost, Stage};
 use hypertexture::render::{Subject, ViewPose};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;

@@ -3,13 +3,17 @@
 mod background_renderer;
 mod handle;
 mod job;
+mod mean;
 mod pick;
+mod progressive;
 mod refine;
 mod render_thread;
 mod renderers;
 mod shared;
+mod status;
 mod validity;
 
 pub(crate) use handle::Worker;
 pub(crate) use job::{Event, Job, Variant};
 pub(crate) use renderers::sight;
+pub(crate) use status::{Cost, Figures, Stage};

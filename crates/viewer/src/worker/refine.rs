@@ -2,12 +2,12 @@
 
 use super::background_renderer::BackgroundRenderer;
 use super::job::{Event, Job, Picture, Variant};
+use super::mean::{Mean, resampled};
+use super::progressive::{FEWEST, MOST, number, reference, tiles};
 use super::render_thread::{Accumulation, RenderThread};
 use super::renderers::{VariantRenderers, with_other_pass};
+use super::status::{Cost, Stage};
 use crate::background::{cancel_if, catch_cancellation};
-use crate::mean::{Mean, resampled};
-use crate::progressive::{FEWEST, MOST, number, reference, tiles};
-use crate::status::{Cost, Stage};
 use hypertexture::gpu::Area;
 use hypertexture::render::variant::Variant as Program;
 use hypertexture::render::{Measurements, RenderError, Renderer, describe_frame, paste_areas, unused_overrides};

@@ -1,13 +1,13 @@
 //! The loop of the render thread.
 
 use super::job::{Event, Job, Picture};
+use super::mean::{Mean, resampled};
+use super::progressive::{Budget, FEWEST, Level};
 use super::renderers::{VariantRenderers, sight};
 use super::shared::Shared;
-use crate::author::Gate;
-use crate::mean::{Mean, resampled};
-use crate::progressive::{Budget, FEWEST, Level};
+use super::status::{Cost, Stage};
+use crate::document::author::Gate;
 use crate::screen::{Encoded, behind, encode_srgb};
-use crate::status::{Cost, Stage};
 use hypertexture::gpu::{Encoder, Gpu, Image};
 use hypertexture::render::{RenderError, ViewPose};
 use hypertexture::scene::Scene;

@@ -2,7 +2,7 @@
 
 use super::background_renderer::BackgroundRenderer;
 use super::job::Variant;
-use crate::progressive::{Level, PREVIEW_BLOCK};
+use super::progressive::{Level, PREVIEW_BLOCK};
 use hypertexture::gpu::Gpu;
 use hypertexture::render::variant::{Variant as Program, VariantError};
 use hypertexture::render::{Renderer, ViewPose};

@@ -2,9 +2,9 @@
 
 use super::job::{Event, Job, Picture, Variant};
 use super::render_thread::RenderThread;
+use super::status::Stage;
 use crate::background::{cancel_if, catch_cancellation};
 use crate::screen::Encoded;
-use crate::status::Stage;
 use egui::ColorImage;
 use hypertexture::render::{RenderError, Renderer, Subject};
 use hypertexture::scene::Scene;

@@ -3,8 +3,8 @@
 use super::field::focus;
 use super::state::Editor;
 use super::text;
-use crate::author::{Author, State};
-use crate::model::Model;
+use crate::document::author::{Author, State};
+use crate::document::model::Model;
 use crate::panels::widgets::{button, named};
 use egui::{Key, Label, Modifiers, Panel, Popup, Rect, RichText, ScrollArea, Sense, TextEdit, Ui};
 use std::path::PathBuf;

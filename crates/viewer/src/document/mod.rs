@@ -1,0 +1,9 @@
+//! The document: the scene with its modules, its groom and its final pictures.
+//!
+//! Role: edits, their history and their files. Invariant: no control and no device.
+
+pub mod author;
+pub(crate) mod exports;
+pub mod model;
+pub(crate) mod painting;
+pub mod unsaved;
