@@ -16,7 +16,7 @@ fn editor() -> Hand {
 }
 
 fn text(hand: &mut Hand) -> String {
-    hand.0.state_mut().panels.author.text.clone()
+    hand.0.state_mut().document.author.text.clone()
 }
 
 fn write(hand: &mut Hand, letters: &str) {
@@ -45,7 +45,7 @@ fn says(hand: &Hand, text: &str) -> bool {
 /// Waits until the compiler has refused the text.
 fn wait_for_faults(hand: &mut Hand) {
     let start = Instant::now();
-    while !matches!(hand.0.state_mut().panels.author.state(), State::Bad(_)) {
+    while !matches!(hand.0.state_mut().document.author.state(), State::Bad(_)) {
         assert!(start.elapsed() < Duration::from_secs(1800)); // a test that fails ends
         hand.0.run_steps(1);
         sleep(Duration::from_millis(10));
@@ -177,7 +177,7 @@ fn a_click_on_a_fault_leads_to_its_line() {
     hand.0.key_press_modifiers(Modifiers::COMMAND, Key::Home);
     hand.0.run_steps(60); // it scrolls smoothly
     wait_for_faults(&mut hand);
-    let State::Bad(faults) = hand.0.state_mut().panels.author.state().clone() else { panic!("good") };
+    let State::Bad(faults) = hand.0.state_mut().document.author.state().clone() else { panic!("good") };
     let (path, line) = faults[0].at.clone().unwrap();
     let (target, tree) = {
         let shown = format!("{path}:{line}: {}", faults[0].text);

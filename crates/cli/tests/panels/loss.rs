@@ -19,7 +19,7 @@ fn a_long_broken_text_is_typed_whole_while_errors_come_and_go() {
     hand.act("author.text", egui::accesskit::Action::Focus, None);
     hand.0.key_press_modifiers(egui::Modifiers::COMMAND, Key::End);
     hand.0.run_steps(1);
-    let before = hand.0.state_mut().panels.author.text.clone();
+    let before = hand.0.state_mut().document.author.text.clone();
     let typed = "\nfloat x = ; for (int i = 0; i < 9; i++) { fhsztv }\nfloat whole() { return 1.0; }\n";
     let (mut verdicts, mut told) = ([0, 0], Vec::new());
     for (index, letter) in typed.chars().enumerate() {
@@ -33,18 +33,18 @@ fn a_long_broken_text_is_typed_whole_while_errors_come_and_go() {
             let start = Instant::now();
             sleep(Duration::from_millis(150));
             hand.0.run_steps(2);
-            while *hand.0.state_mut().panels.author.state() == State::Compiling {
+            while *hand.0.state_mut().document.author.state() == State::Compiling {
                 assert!(start.elapsed() < Duration::from_secs(600)); // a test that fails ends
                 sleep(Duration::from_millis(10));
                 hand.0.run_steps(1);
             }
-            let state = hand.0.state_mut().panels.author.state().clone();
+            let state = hand.0.state_mut().document.author.state().clone();
             verdicts[usize::from(matches!(state, State::Bad(_)))] += 1;
             told.push(state);
         }
     }
     assert!(verdicts[0] > 0 && verdicts[1] > 0, "good and bad: {verdicts:?}, {told:?}");
-    assert_eq!(hand.0.state_mut().panels.author.text, format!("{before}{typed}"));
+    assert_eq!(hand.0.state_mut().document.author.text, format!("{before}{typed}"));
     assert_eq!(hand.0.state().commands, [], "no letter was a shortcut");
 }
 
@@ -124,7 +124,7 @@ fn what_was_kept_is_offered_and_comes_back_and_opened_files_are_remembered() {
     hand.picture("kept");
     hand.click("kept.open");
     assert_eq!(hand.scene(), scene);
-    assert_eq!(hand.0.state_mut().panels.author.text, own);
+    assert_eq!(hand.0.state_mut().document.author.text, own);
     assert!(hand.0.query_by_label("kept.open").is_none() && kept.join("scene.toml").exists());
     // It stays unsaved, of no file, until it is saved.
     assert!(hand.model().is_dirty() && hand.model().file().is_none());
@@ -142,7 +142,7 @@ fn what_was_kept_is_offered_and_comes_back_and_opened_files_are_remembered() {
 #[test]
 fn a_text_that_no_file_holds_is_unsaved_work_too() {
     let mut hand = Hand::new(preset("fur").unwrap());
-    hand.0.state_mut().panels.author.text.push_str("// mine\n");
+    hand.0.state_mut().document.author.text.push_str("// mine\n");
     hand.quit();
     assert_eq!(hand.0.state().commands, []);
     hand.click("ask.yes");
@@ -157,7 +157,7 @@ fn a_scene_without_a_file_is_saved_where_a_name_is_given() {
     hand.model().edit("material.specular", |scene| scene.material.specular = 0.75);
     let save = |hand: &mut Hand| {
         let desk = hand.0.state_mut();
-        desk.panels.save(&mut desk.model);
+        desk.panels.perform(Command::Save, &mut desk.document);
         let asks = desk.panels.is_asking();
         hand.0.run_steps(3);
         asks
@@ -198,7 +198,7 @@ fn a_file_is_followed_while_the_editor_is_closed_and_its_end_is_said() {
     hand.0.run_steps(60);
     assert!(rests(&hand) > WATCH);
     let desk = hand.0.state_mut();
-    desk.panels.author.watch(desk.model.library(), &file).unwrap();
+    desk.document.author.watch(desk.document.model.library(), &file).unwrap();
     let has =
         |text: String| move |hand: &mut Hand| hand.model().library().source("dmf/half_of.glsl") == Some(text.as_str());
     wait(&mut hand, has(text("0.5")));

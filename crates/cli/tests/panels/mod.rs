@@ -16,7 +16,8 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use hypertexture::scene::{self, Color, ParameterValue, Pass, Scene, preset};
 use hypertexture::shader;
-use hypertexture_viewer::document::author::State;
+use hypertexture_viewer::document::Document;
+use hypertexture_viewer::document::author::{Author, State};
 use hypertexture_viewer::document::model::Model;
 use hypertexture_viewer::input::Command;
 use hypertexture_viewer::panels::{Panels, Question, Status};
@@ -32,7 +33,7 @@ const SECTIONS: [&str; 9] =
 
 /// The state of a window.
 struct Desk {
-    model: Model,
+    document: Document,
     panels: Panels,
     status: Status,
     commands: Vec<Command>,
@@ -47,15 +48,15 @@ impl Hand {
     fn new(scene: Scene) -> Hand {
         let model = Model::new(scene, shader::shipped()).unwrap();
         let program = PathBuf::from(env!("CARGO_BIN_EXE_hypertexture"));
-        let panels = Panels::new(program, &model).unwrap();
+        let (document, panels) = (Document::new(model, program).unwrap(), Panels::default());
         let painter = Painter::default();
         let status = Status { device: "a device".into(), frame_ms: Some([12.0, 0.5]), ..Status::default() };
         let desk =
-            Desk { model, panels, status, commands: Vec::new(), painter: painter.clone(), left: egui::Rect::ZERO };
+            Desk { document, panels, status, commands: Vec::new(), painter: painter.clone(), left: egui::Rect::ZERO };
         let size = egui::vec2(SIZE[0] as f32, SIZE[1] as f32);
         let builder = Harness::builder().with_size(size).with_step_dt(1.0 / 60.0).renderer(painter);
         let show = |ui: &mut egui::Ui, desk: &mut Desk| {
-            desk.commands.extend(desk.panels.show(ui, &mut desk.model, &desk.status));
+            desk.commands.extend(desk.panels.show(ui, &mut desk.document, &desk.status));
             desk.left = ui.available_rect_before_wrap();
         };
         let mut hand = Hand(builder.build_ui_state(show, desk));
@@ -78,11 +79,11 @@ impl Hand {
     }
 
     fn model(&mut self) -> &mut Model {
-        &mut self.0.state_mut().model
+        &mut self.0.state_mut().document.model
     }
 
     fn scene(&self) -> Scene {
-        self.0.state().model.scene().clone()
+        self.0.state().document.model.scene().clone()
     }
 
     /// Performs an action on a control; returns the panels' commands to the system.
@@ -101,8 +102,8 @@ impl Hand {
 
     /// Asks to quit, as a key and a menu of the window do.
     fn quit(&mut self) {
-        let Desk { model, panels, .. } = self.0.state_mut();
-        if panels.at_stake(model).is_some() {
+        let Desk { document, panels, .. } = self.0.state_mut();
+        if document.at_stake().is_some() {
             panels.ask(Question::Quit);
         }
         self.0.run_steps(2);
@@ -497,44 +498,44 @@ fn presets_files_and_commands() {
 fn m52_what_is_typed_is_compiled_and_declared_parameters_become_sliders() {
     let mut hand = Hand::new(preset("fur").unwrap());
     hand.click("author");
-    let old = hand.0.state_mut().panels.author.text.clone();
-    let wait = |hand: &mut Hand, done: &dyn Fn(&mut Panels) -> bool| {
+    let old = hand.0.state_mut().document.author.text.clone();
+    let wait = |hand: &mut Hand, done: &dyn Fn(&Author) -> bool| {
         let start = Instant::now();
-        while !done(&mut hand.0.state_mut().panels) {
+        while !done(&hand.0.state().document.author) {
             // Timeout, generous for busy machines.
-            assert!(start.elapsed() < Duration::from_secs(1800), "{:?}", hand.0.state_mut().panels.author.state());
+            assert!(start.elapsed() < Duration::from_secs(1800), "{:?}", hand.0.state_mut().document.author.state());
             hand.0.run_steps(1);
             sleep(Duration::from_millis(10));
         }
         hand.0.run_steps(2);
     };
-    let is_good = |panels: &mut Panels| *panels.author.state() == State::Good;
+    let is_good = |author: &Author| *author.state() == State::Good;
     hand.act("author.text", Action::Focus, None);
     hand.0.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Home);
     hand.0.event(Event::Text("// @param zest = 0.5 in [0, 2]: New.\n".into()));
     hand.0.run_steps(2);
-    wait(&mut hand, &|panels| *panels.author.state() != State::Good);
+    wait(&mut hand, &|author| *author.state() != State::Good);
     wait(&mut hand, &is_good);
     hand.set("parameters.zest", 1.5);
     assert_eq!(hand.scene().parameters["zest"], ParameterValue::Number(1.5));
     hand.act("author.text", Action::Focus, None);
     hand.0.event(Event::Text("float qq = tangled;\n".into()));
     hand.0.run_steps(2);
-    let faults = |panels: &mut Panels| match panels.author.state() {
+    let faults = |author: &Author| match author.state() {
         State::Bad(faults) => faults.clone(),
         _ => Vec::new(),
     };
-    wait(&mut hand, &|panels| !faults(panels).is_empty());
-    let first = faults(&mut hand.0.state_mut().panels).remove(0);
+    wait(&mut hand, &|author| !faults(author).is_empty());
+    let first = faults(&hand.0.state().document.author).remove(0);
     let (path, line) = first.at.unwrap();
-    let text = hand.0.state_mut().panels.author.text.clone();
+    let text = hand.0.state_mut().document.author.text.clone();
     assert_eq!((path.as_str(), text.lines().nth(line - 1)), ("dmf/fur.glsl", Some("float qq = tangled;")));
     let shown = format!("{path}:{line}: {}", first.text);
     assert!(hand.0.query_all_by_value(&shown).next().is_some(), "{shown}");
     assert!(hand.0.query_by_label("parameters.zest").is_some(), "the last good text stays");
     hand.picture("editor");
     hand.click("author.reset");
-    wait(&mut hand, &|panels| faults(panels).is_empty() && panels.author.text == old);
+    wait(&mut hand, &|author| faults(author).is_empty() && author.text == old);
     wait(&mut hand, &is_good);
     assert!(hand.0.query_by_label("parameters.zest").is_none() && !hand.scene().parameters.contains_key("zest"));
 }

@@ -38,16 +38,16 @@ impl App {
         let now = Instant::now();
         let passed = now.duration_since(self.time.last_frame).as_secs_f64();
         self.time.last_frame = now;
-        let before = self.model.scene().clone();
+        let before = self.document.model.scene().clone();
         if !self.panels.is_asking() {
             self.type_number(ui.ctx());
             keys::pressed(ui.ctx()).into_iter().for_each(|command| self.perform(command));
         }
-        self.model.follow(self.time.clock);
+        self.document.model.follow(self.time.clock);
         self.receive_selection();
         let status = self.status();
-        let commands = self.panels.show(ui, &mut self.model, &status);
-        if let Some(error) = self.panels.finals.outcome().filter(|outcome| outcome.is_error) {
+        let commands = self.panels.show(ui, &mut self.document, &status);
+        if let Some(error) = self.document.exports.outcome().filter(|outcome| outcome.is_error) {
             self.failure.get_or_insert_with(|| error.text.clone());
         }
         for command in commands {

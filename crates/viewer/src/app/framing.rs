@@ -30,7 +30,7 @@ impl App {
     fn framed(&mut self, scene: &Scene) -> Option<Framed> {
         let mut scene = scene.moment().ok()?.into_owned();
         scene.image.size = self.pane();
-        let library = self.model.library().clone();
+        let library = self.document.model.library().clone();
         let (_, subject) = self.loader.any(&Key::of(&scene, &library).ok()?)?;
         let program = Program::of(&scene, &library).ok()?;
         Some(Framed { pose: ViewPose::of(&program, &subject), half: render::half_height(&program, &subject) })
@@ -39,7 +39,7 @@ impl App {
     /// Keeps the frame after a change from `before` of anything but the view. The camera looks at the middle of all
     /// objects from a distance that shows them; its pan and zoom make up for a change of both.
     pub(super) fn hold_frame(&mut self, before: &Scene) {
-        let now = self.model.scene().clone();
+        let now = self.document.model.scene().clone();
         let is_held = now.camera == before.camera
             && now.object.input == before.object.input
             && now.about == before.about
@@ -55,7 +55,7 @@ impl App {
         let (Some(from), Some(to)) = (self.framed(before), self.framed(&now)) else { return };
         let camera = held(&now.camera, now.object.stretch.into(), &from, &to);
         if camera != now.camera {
-            self.model.amend_view(camera);
+            self.document.model.amend_view(camera);
         }
     }
 
@@ -65,15 +65,15 @@ impl App {
         if !self.turns() {
             return;
         }
-        let selected = self.panels.selected().map(String::from);
+        let selected = self.document.selection.part().map(String::from);
         let Some(name) = selected else {
-            self.model.look(|camera| (camera.pan, camera.zoom) = ([0.0; 2], 1.0));
+            self.document.model.look(|camera| (camera.pan, camera.zoom) = ([0.0; 2], 1.0));
             return self.note("all objects are framed");
         };
         let Some((center, radius)) = self.ball_of(&name) else {
             return self.note(format!("{name} is not loaded yet: it cannot be framed"));
         };
-        let mut scene = self.model.scene().clone();
+        let mut scene = self.document.model.scene().clone();
         let [width, height] = self.pane();
         let aspect = width as f32 / height as f32;
         (scene.camera.pan, scene.camera.zoom) = ([0.0; 2], 1.0);
@@ -83,25 +83,25 @@ impl App {
         let Some(Framed { pose, half }) = self.framed(&scene) else { return };
         let ([x, y], zoom) = (pose.place(center), scene.camera.zoom);
         let pan = [-x * half * aspect, y * half].map(|side| side.clamp(-100.0, 100.0));
-        self.model.look(|camera| (camera.pan, camera.zoom) = (pan, zoom));
+        self.document.model.look(|camera| (camera.pan, camera.zoom) = (pan, zoom));
         self.note(format!("{name} is framed"));
     }
 
     /// Center and radius of an additional object, object space of the scene.
     fn ball_of(&self, name: &str) -> Option<(Vec3, f32)> {
-        let part = self.model.present().parts.get(name)?.transform;
+        let part = self.document.model.present().parts.get(name)?.transform;
         let subject = self.jobs.submitted.as_ref()?.variants.first()?.subject.parts.get(name)?;
         Some((part.at.into(), part.scale * subject.radius))
     }
 
     /// Outlines the selected object of several by the box around it.
     pub(super) fn show_selected(&self, ui: &Ui) {
-        let scene = self.model.present();
+        let scene = self.document.model.present();
         let Some(job) = self.jobs.submitted.as_ref().filter(|_| !scene.parts.is_empty()) else { return };
         let (Some(pose), Some(Variant { subject, .. })) = (self.jobs.current_view, job.variants.first()) else {
             return;
         };
-        let selected = self.panels.selected();
+        let selected = self.document.selection.part();
         let (own, matrix) = match selected {
             None => (&**subject, glam::Mat4::IDENTITY),
             Some(name) => match (subject.parts.get(name), scene.parts.get(name)) {

@@ -39,7 +39,9 @@ impl App {
     /// Moves the selected object along the axis that a drag began at, or turns it about this axis with Shift; whether the
     /// drag belongs to an axis.
     pub(super) fn place_on_axis(&mut self, ui: &Ui, response: &Response, part: &str) -> bool {
-        let Some(transform) = self.model.present().parts.get(part).map(|part| part.transform) else { return false };
+        let Some(transform) = self.document.model.present().parts.get(part).map(|part| part.transform) else {
+            return false;
+        };
         let Some(pose) = self.jobs.current_view else { return false };
         let Some((center, ends, length)) = self.axes(&pose, &transform) else { return false };
         if response.drag_started_by(PointerButton::Primary) {
@@ -53,7 +55,7 @@ impl App {
             let turns = ui.input(|input| input.modifiers.shift);
             let after = match turns {
                 true => {
-                    let eye = self.model.present().camera.turn() * along;
+                    let eye = self.document.model.present().camera.turn() * along;
                     Some(turned(transform, axis, turn_of(delta, eye)))
                 }
                 false => {
@@ -71,13 +73,13 @@ impl App {
         }
         if response.drag_stopped() {
             self.objects.gizmo.grabbed = None;
-            self.model.end_undo_group();
+            self.document.model.end_undo_group();
         }
         true
     }
 
     fn transform(&mut self, part: &str, transform: Transform) {
-        self.model.edit("transform", |scene| {
+        self.document.model.edit("transform", |scene| {
             if let Some(part) = scene.parts.get_mut(part) {
                 part.transform = transform;
             }
@@ -94,14 +96,14 @@ impl App {
             self.light_at(|distance| distance * (wheel / 400.0).exp());
         }
         if response.drag_stopped() {
-            self.model.end_undo_group();
+            self.document.model.end_undo_group();
         }
         is_drag || wheel != 0.0 || response.drag_stopped()
     }
 
     /// Changes the distance of the light from the object.
     fn light_at(&mut self, distance: impl Fn(f32) -> f32) {
-        self.model.edit("light.position", |scene| {
+        self.document.model.edit("light.position", |scene| {
             let at = Vec3::from(scene.light.position);
             let far = distance(at.length()).clamp(0.01, 1e6);
             scene.light.position = (at.try_normalize().unwrap_or(Vec3::Z) * far).to_array();
@@ -137,7 +139,7 @@ impl App {
                 _ => true,
             });
         });
-        let part = self.panels.selected().map(String::from);
+        let part = self.document.selection.part().map(String::from);
         let (axis, turns) = self.objects.gizmo.last;
         let what = match (&part, turns) {
             (None, _) => "distance of the light".into(),
@@ -149,7 +151,7 @@ impl App {
                 match part {
                     None => self.light_at(|_| number),
                     Some(part) => {
-                        let before = self.model.present().parts.get(&part).map(|part| part.transform);
+                        let before = self.document.model.present().parts.get(&part).map(|part| part.transform);
                         let after = before.map(|before| match turns {
                             true => turned(before, axis, number.to_radians()),
                             false => moved_along(before, axis, number),
@@ -157,7 +159,7 @@ impl App {
                         after.into_iter().for_each(|after| self.transform(&part, after));
                     }
                 }
-                self.model.end_undo_group();
+                self.document.model.end_undo_group();
                 self.note(format!("{what}: {number}"));
             }
             Err(_) if is_done => self.note(format!("{what}: `{typed}` is not a number")),
@@ -173,9 +175,9 @@ impl App {
     /// Shows the axes of the placed object, or the sun of the placed light.
     pub(super) fn show_gizmo(&self, ui: &Ui) {
         let Some(pose) = self.jobs.current_view.filter(|_| self.objects.places) else { return };
-        let scene = self.model.present();
+        let scene = self.document.model.present();
         let painter = ui.painter_at(self.place);
-        let Some(part) = self.panels.selected() else {
+        let Some(part) = self.document.selection.part() else {
             let at = scene.light.position;
             let (at, is_seen) = sun(self.place, pose.place_in_view(at.into()).map(|at| self.on_screen(at)), at);
             let fill = if is_seen { SUN } else { Color32::TRANSPARENT };

@@ -43,7 +43,7 @@ impl App {
         let pointer = self.navigation.pointer.and_then(|at| self.pixel_at(at));
         let pixel = pointer.or(self.inspector.pixel()).or_else(|| self.pixel_at(self.place.center()));
         let job = self.jobs.submitted.as_ref().and_then(|job| Some((job, pixel?)));
-        self.lesson.show(ui, self.place, &mut self.model, job, &self.notify);
+        self.lesson.show(ui, self.place, &mut self.document.model, job, &self.notify);
     }
 
     /// Shows the inspector.

@@ -48,20 +48,23 @@ fn a_renamed_object_goes_on_while_it_loads_and_after() {
         hand.run_steps(1);
     }
     for (from, to) in [("b", "bite"), ("c", "a"), ("bite", "zz"), ("a", "b"), ("zz", "c")] {
-        assert!(hand.state_mut().model.rename_part(from, to), "{:?}", hand.state().model.message());
+        assert!(hand.state_mut().document.model.rename_part(from, to), "{:?}", hand.state().document.model.message());
         hand.run_steps(2);
         agrees(hand.state());
         assert!(!hand.state().jobs.lacks_object, "nothing loads for a name");
     }
     // A used name is refused; removal, a copy and undo keep objects and names together.
-    assert!(!hand.state_mut().model.rename_part("b", "c") && !hand.state_mut().model.rename_part("b", "main"));
-    hand.state_mut().model.remove_part("b");
+    assert!(
+        !hand.state_mut().document.model.rename_part("b", "c")
+            && !hand.state_mut().document.model.rename_part("b", "main")
+    );
+    hand.state_mut().document.model.remove_part("b");
     hand.run_steps(2);
-    assert_eq!(hand.state_mut().model.duplicate_part(Some("c")).as_deref(), Some("object1"));
+    assert_eq!(hand.state_mut().document.model.duplicate_part(Some("c")).as_deref(), Some("object1"));
     hand.run_steps(2);
     agrees(hand.state());
     for _ in 0..9 {
-        hand.state_mut().model.undo();
+        hand.state_mut().document.model.undo();
         hand.run_steps(2);
         agrees(hand.state());
     }
@@ -77,7 +80,11 @@ fn a_monkey_types_into_every_field() {
         open(&mut hand);
         assert!(act(&mut hand, Some(Role::Button), "object b", Action::Click));
         write(&mut hand, Role::TextInput, "name of b", "bite", Key::Enter);
-        assert!(hand.state().model.scene().parts.contains_key("bite"), "{:?}", hand.state().model.message());
+        assert!(
+            hand.state().document.model.scene().parts.contains_key("bite"),
+            "{:?}",
+            hand.state().document.model.message()
+        );
         for _ in 0..STEPS {
             let mut pick = |count: usize| (random.unit() * count as f64) as usize % count.max(1);
             let objects: Vec<String> =
@@ -94,8 +101,8 @@ fn a_monkey_types_into_every_field() {
             write(&mut hand, role, &name, text, end);
             typed.insert(name);
             match pick(12) {
-                0 => drop(hand.state_mut().model.undo()),
-                1 => drop(hand.state_mut().model.redo()),
+                0 => drop(hand.state_mut().document.model.undo()),
+                1 => drop(hand.state_mut().document.model.redo()),
                 2 => drop(act(&mut hand, Some(Role::Button), "add object", Action::Click)),
                 3 => drop(act(&mut hand, Some(Role::Button), "remove object", Action::Click)),
                 _ => {}
@@ -103,7 +110,7 @@ fn a_monkey_types_into_every_field() {
             hand.run_steps(1);
             agrees(hand.state());
         }
-        hand.state().model.scene().check(hand.state().model.library()).unwrap();
+        hand.state().document.model.scene().check(hand.state().document.model.library()).unwrap();
     }
     assert!(typed.len() > STEPS / 2, "{typed:?}");
 }

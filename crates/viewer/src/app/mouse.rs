@@ -36,7 +36,7 @@ impl App {
             }
             (self.navigation.glide, self.navigation.last_turn) = (None, (DVec3::Y, 0.0));
         }
-        let is_fixed = self.model.scene().camera.matrices.is_some() && self.navigation.drag != Drag::Light;
+        let is_fixed = self.document.model.scene().camera.matrices.is_some() && self.navigation.drag != Drag::Light;
         if let Some(to) = response.interact_pointer_pos().filter(|_| response.dragged() && !is_fixed) {
             match self.navigation.drag {
                 Drag::Turn if self.navigation.level => self.orbit(delta),
@@ -48,7 +48,7 @@ impl App {
         if response.drag_stopped() {
             self.navigation.glide =
                 (self.navigation.inertia && self.navigation.last_turn.1 > 0.05).then_some(self.navigation.last_turn);
-            self.model.end_undo_group();
+            self.document.model.end_undo_group();
         }
         if response.clicked() {
             let at = response.interact_pointer_pos();
@@ -60,15 +60,15 @@ impl App {
         if let Some(at) = response.hover_pos() {
             let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
             let factor = (scroll / 400.0).exp() * if scroll == 0.0 { pinch } else { 1.0 };
-            if factor != 1.0 && self.panels.painting.is_on {
-                let brush = &mut self.panels.painting.brush;
+            if factor != 1.0 && self.document.painting.is_on {
+                let brush = &mut self.document.painting.brush;
                 brush.radius = (brush.radius * factor).clamp(0.02, 1.0);
             } else if factor != 1.0
                 && let Some(half) = self.half_height()
             {
                 let from = (at - self.place.center()) / (0.5 * self.place.height().max(1.0));
                 if self.turns() {
-                    self.model.look(|camera| *camera = zoom_to(camera, factor, [from.x, -from.y], half));
+                    self.document.model.look(|camera| *camera = zoom_to(camera, factor, [from.x, -from.y], half));
                 }
             }
         }
@@ -77,7 +77,7 @@ impl App {
     /// Moves the light around the object by a drag.
     pub(super) fn drag_light(&mut self, to: Pos2, delta: Vec2) {
         let [from, to] = [to - delta, to].map(|at| self.on_ball(at));
-        self.model.edit("light.position", |scene| {
+        self.document.model.edit("light.position", |scene| {
             scene.light.position = drag_light(scene.light.position, from, to);
         });
     }
@@ -91,7 +91,7 @@ impl App {
 
     /// Rotates the trackball.
     fn roll(&mut self, ui: &Ui, to: Pos2, delta: Vec2) {
-        self.navigation.ball.follow(&self.model.present().camera);
+        self.navigation.ball.follow(&self.document.model.present().camera);
         if delta == Vec2::ZERO {
             self.navigation.last_turn.1 = 0.0;
             return;
@@ -106,7 +106,7 @@ impl App {
     fn orbit(&mut self, delta: Vec2) {
         if delta != Vec2::ZERO {
             let part = delta / self.place.width().min(self.place.height()).max(1.0);
-            self.model.look(|camera| *camera = orbit(camera, part.into()));
+            self.document.model.look(|camera| *camera = orbit(camera, part.into()));
         }
     }
 
@@ -115,7 +115,7 @@ impl App {
             && let Some(half) = self.half_height()
         {
             let unit = half / (0.5 * self.place.height().max(1.0));
-            self.model.look(|camera| {
+            self.document.model.look(|camera| {
                 let [x, y] = camera.pan;
                 camera.pan = [x + delta.x * unit, y - delta.y * unit].map(|side| side.clamp(-100.0, 100.0));
             });
@@ -131,19 +131,19 @@ impl App {
 
     fn turn(&mut self) {
         let rotation = self.navigation.ball.rotation();
-        self.model.look(|camera| camera.rotation = Some(rotation));
+        self.document.model.look(|camera| camera.rotation = Some(rotation));
     }
 
     /// Rotates a gliding trackball.
     pub(super) fn glide(&mut self, passed: f64) {
         let Some((axis, speed)) = self.navigation.glide else { return };
-        self.navigation.ball.follow(&self.model.present().camera);
+        self.navigation.ball.follow(&self.document.model.present().camera);
         self.navigation.ball.spin(axis, speed * passed);
         self.turn();
         let slower = speed * GLIDE.powf(passed);
         self.navigation.glide = (slower > 0.02).then_some((axis, slower));
         if self.navigation.glide.is_none() {
-            self.model.end_undo_group();
+            self.document.model.end_undo_group();
         }
     }
 
@@ -152,7 +152,7 @@ impl App {
         if !self.navigation.dragging || self.navigation.drag != Drag::Light {
             return;
         }
-        let [x, y, z] = self.model.scene().light.position;
+        let [x, y, z] = self.document.model.scene().light.position;
         let length = (x * x + y * y + z * z).sqrt().max(1e-6);
         let radius = 0.5 * self.place.width().min(self.place.height());
         let at = self.place.center() + Vec2::new(x, -y) / length * radius;

@@ -18,7 +18,7 @@ impl App {
     pub(super) fn select_clicked(&mut self, at: Option<Pos2>) {
         let pixel = at.and_then(|at| self.pixel_at(at));
         let variant = self.jobs.submitted.as_ref().map(|job| job.variants[0].clone());
-        if let (Some(pixel), Some(variant), false) = (pixel, variant, self.model.scene().parts.is_empty()) {
+        if let (Some(pixel), Some(variant), false) = (pixel, variant, self.document.model.scene().parts.is_empty()) {
             let Variant { scene, library, subject } = variant;
             self.objects.clicked = Some(Background::start(&self.notify, move |task| {
                 let found = object_along(&library, &scene, &subject, pixel, PLACES);
@@ -32,10 +32,12 @@ impl App {
         if let Some(Poll::Ready(found)) = self.objects.clicked.as_ref().map(Background::poll) {
             self.objects.clicked = None;
             match found.flatten() {
-                Some(name) if self.panels.is_locked(&name) => self.note(format!("{name} is locked, see Objects")),
+                Some(name) if self.document.selection.is_locked(&name) => {
+                    self.note(format!("{name} is locked, see Objects"))
+                }
                 Some(name) => {
                     self.note(format!("selected: {name}"));
-                    self.panels.select(Some(name));
+                    self.document.selection.select(Some(name));
                 }
                 None => {}
             }
@@ -45,8 +47,8 @@ impl App {
     /// Starts or ends the placement of the selected object.
     pub(super) fn toggle_placement(&mut self) {
         self.objects.places ^= true;
-        match (self.objects.places, self.panels.selected()) {
-            (true, Some(part)) if self.panels.is_locked(part) => {
+        match (self.objects.places, self.document.selection.part()) {
+            (true, Some(part)) if self.document.selection.is_locked(part) => {
                 self.objects.places = false;
                 self.note(format!("{part} is locked: unlock it in Objects first"));
             }
@@ -67,8 +69,10 @@ impl App {
             return false;
         }
         let wheel = if response.hovered() { ui.input(|input| input.smooth_scroll_delta().y) } else { 0.0 };
-        let Some(part) = self.panels.selected().map(String::from) else { return self.place_light(response, wheel) };
-        if self.panels.is_locked(&part) {
+        let Some(part) = self.document.selection.part().map(String::from) else {
+            return self.place_light(response, wheel);
+        };
+        if self.document.selection.is_locked(&part) {
             return false;
         }
         if self.place_on_axis(ui, response, &part) {
@@ -77,15 +81,15 @@ impl App {
         let (delta, turns) = (response.drag_delta(), response.dragged_by(PointerButton::Secondary));
         if let Some(half) = self.half_height().filter(|_| delta != Vec2::ZERO || wheel != 0.0) {
             let unit = half / (0.5 * self.place.height().max(1.0));
-            let view = self.model.present().camera.turn();
-            self.model.edit("transform", |scene| {
+            let view = self.document.model.present().camera.turn();
+            self.document.model.edit("transform", |scene| {
                 if let Some(part) = scene.parts.get_mut(&part) {
                     part.transform = placed(part.transform, view, delta * unit, turns, (wheel / 400.0).exp());
                 }
             });
         }
         if response.drag_stopped() {
-            self.model.end_undo_group();
+            self.document.model.end_undo_group();
         }
         true
     }

@@ -17,7 +17,7 @@ impl App {
     pub(super) fn show_over(&mut self, ui: &mut Ui) {
         let place = self.place;
         if let Some((kept, _)) = &self.comparison.pinned {
-            let mut titles = titles(self.model.scene(), kept);
+            let mut titles = titles(self.document.model.scene(), kept);
             for (title, Cost { ms, rmse }) in titles.iter_mut().zip(&self.figures.costs) {
                 let rmse = rmse.map_or(String::new(), |rmse| format!(", RMSE {rmse:.1e}"));
                 title.push_str(&format!(" \u{2013} {ms:.0} ms{rmse}"));
@@ -64,12 +64,12 @@ impl App {
             );
         }
         self.show_keys(ui);
-        if self.panels.painting.is_on && !self.panels.is_asking() {
+        if self.document.painting.is_on && !self.panels.is_asking() {
             let area = Area::new(Id::new("brush bar")).fixed_pos(place.center_bottom() + Vec2::new(0.0, -12.0));
             area.pivot(Align2::CENTER_BOTTOM).show(ui.ctx(), |ui| {
                 dark.show(ui, |ui| {
                     ui.set_max_width((place.width() - 40.0).max(120.0));
-                    panels::brush_bar(ui, &mut self.panels.painting);
+                    panels::brush_bar(ui, &mut self.document.painting);
                 })
             });
         }

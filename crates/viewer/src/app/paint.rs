@@ -25,42 +25,42 @@ impl App {
         let modifiers = ui.input(|input| input.modifiers);
         let is_free = !modifiers.shift && !modifiers.command && response.dragged_by(PointerButton::Primary);
         let is_touch = response.clicked() && !modifiers.shift && !modifiers.command;
-        let begins = self.panels.painting.is_on && (response.drag_started() && is_free || is_touch);
+        let begins = self.document.painting.is_on && (response.drag_started() && is_free || is_touch);
         let ends = response.drag_stopped() || is_touch;
         if begins {
             let pressed = ui.input(|input| input.pointer.press_origin());
             let at = pressed.or(response.interact_pointer_pos());
             let Some((place, normal)) = at.and_then(|at| self.surface_at(at)) else { return false };
             self.navigation.is_refused = !self.begin_stroke(place, normal) && !ends;
-        } else if self.panels.painting.is_stroke() {
+        } else if self.document.painting.is_stroke() {
             let at = response.interact_pointer_pos();
             if let Some((place, normal)) = at.and_then(|at| self.surface_at(at)) {
-                self.panels.painting.go(place, normal);
+                self.document.painting.go(place, normal);
             }
         } else {
             let is_refused = std::mem::take(&mut self.navigation.is_refused);
             self.navigation.is_refused = is_refused && response.dragged();
             return is_refused;
         }
-        if ends && self.panels.painting.is_stroke() {
-            self.panels.painting.end().unwrap_or_else(|reason| self.fail(reason));
-            self.model.end_undo_group();
+        if ends && self.document.painting.is_stroke() {
+            self.document.painting.end().unwrap_or_else(|reason| self.fail(reason));
+            self.document.model.end_undo_group();
         }
         true
     }
 
     /// Begins a stroke, which is one undo step; returns whether it was accepted.
     fn begin_stroke(&mut self, place: Vec3, normal: Vec3) -> bool {
-        if self.model.scene().has_several() {
+        if self.document.model.scene().has_several() {
             self.note(SEVERAL);
             return false;
         }
-        self.model.end_undo_group();
-        match self.panels.painting.begin(self.model.scene(), place, normal) {
+        self.document.model.end_undo_group();
+        match self.document.painting.begin(self.document.model.scene(), place, normal) {
             Ok(file) => {
-                let good = self.model.edit("groom", |scene| scene.groom = Some(file));
+                let good = self.document.model.edit("groom", |scene| scene.groom = Some(file));
                 if !good {
-                    self.panels.painting.cancel();
+                    self.document.painting.cancel();
                 }
                 good
             }
@@ -84,7 +84,7 @@ impl App {
 
     /// Shows the brush on the surface under the pointer: its rim, and where half its strength is left.
     pub(super) fn show_brush(&self, ui: &Ui) {
-        let (painting, Some(pose)) = (&self.panels.painting, self.jobs.current_view) else { return };
+        let (painting, Some(pose)) = (&self.document.painting, self.jobs.current_view) else { return };
         let Some(at) = self.navigation.pointer.filter(|_| painting.is_on) else { return };
         let Some((place, normal)) = self.surface_at(at) else { return };
         let Brush { radius, mirrored, .. } = painting.brush;

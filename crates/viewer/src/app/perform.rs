@@ -23,11 +23,11 @@ impl App {
     pub(super) fn perform(&mut self, command: Command) {
         match command {
             // Texts of modules and running renders go on.
-            Command::New if self.model.is_dirty() => self.panels.ask(Question::New),
+            Command::New if self.document.model.is_dirty() => self.panels.ask(Question::New),
             Command::New | Command::Begin => self.begin(),
             Command::Open(_) => {
                 self.loader.failed = None;
-                self.panels.perform(command, &mut self.model);
+                self.panels.perform(command, &mut self.document);
             }
             Command::ChooseFile
             | Command::Save
@@ -37,17 +37,17 @@ impl App {
             | Command::Preset { .. }
             | Command::AddPart
             | Command::RemovePart(_)
-            | Command::RenamePart { .. } => drop(self.panels.perform(command, &mut self.model)),
-            Command::Export => self.panels.finals.is_open ^= true,
+            | Command::RenamePart { .. } => drop(self.panels.perform(command, &mut self.document)),
+            Command::Export => self.panels.export.is_open ^= true,
             Command::AskToQuit => self.ask_to_quit(),
             Command::Quit => self.quit = true,
             Command::Undo => {
-                if !self.model.undo() {
+                if !self.document.model.undo() {
                     self.note("there is nothing to undo");
                 }
             }
             Command::Redo => {
-                if !self.model.redo() {
+                if !self.document.model.redo() {
                     self.note("there is nothing to redo");
                 }
             }
@@ -115,7 +115,7 @@ impl App {
             self.help = false;
         } else if self.objects.places {
             self.toggle_placement();
-        } else if self.panels.painting.is_on {
+        } else if self.document.painting.is_on {
             self.toggle_brush();
         } else if self.full_screen {
             self.full_screen = false;
@@ -128,29 +128,29 @@ impl App {
         let (name, azimuth, elevation) = SIDES[index];
         self.navigation.glide = None;
         if self.turns() {
-            self.model.look(|camera| {
+            self.document.model.look(|camera| {
                 (camera.azimuth, camera.elevation, camera.rotation) = (azimuth, elevation, None);
             });
-            self.model.end_undo_group();
+            self.document.model.end_undo_group();
             self.note(format!("from the {name}"));
         }
     }
 
     fn reset_camera(&mut self) {
-        let time = self.model.scene().camera.time;
-        let home = Camera { time, ..self.model.home().clone() };
+        let time = self.document.model.scene().camera.time;
+        let home = Camera { time, ..self.document.model.home().clone() };
         self.navigation.glide = None;
         // A step of the history: more than the view is replaced.
-        self.model.end_undo_group();
-        self.model.edit("reset view", |scene| scene.camera = home);
-        self.model.end_undo_group();
+        self.document.model.end_undo_group();
+        self.document.model.edit("reset view", |scene| scene.camera = home);
+        self.document.model.end_undo_group();
     }
 
     /// Plays or pauses.
     fn toggle_time(&mut self) {
         match self.time.clock.take() {
-            Some(clock) => drop(self.model.look(|camera| camera.time = clock)),
-            None => self.time.clock = Some(self.model.scene().camera.time),
+            Some(clock) => drop(self.document.model.look(|camera| camera.time = clock)),
+            None => self.time.clock = Some(self.document.model.scene().camera.time),
         }
     }
 
@@ -158,16 +158,16 @@ impl App {
         self.time.playback.reach(time);
         match &mut self.time.clock {
             Some(clock) => *clock = time,
-            None => drop(self.model.look(|camera| camera.time = time)),
+            None => drop(self.document.model.look(|camera| camera.time = time)),
         }
     }
 
     fn toggle_turntable(&mut self) {
-        if self.panels.finals.frames().is_some() {
-            return self.panels.finals.stop();
+        if self.document.exports.frames().is_some() {
+            return self.document.exports.stop();
         }
         let (scene, path) = (self.timed(), self.free_name("turntable", "_####.png"));
-        self.panels.finals.add(Order::turntable(scene, self.model.library().clone(), path));
+        self.document.exports.add(Order::turntable(scene, self.document.model.library().clone(), path));
     }
 
     /// Pins this variant, or ends the comparison.
@@ -185,14 +185,14 @@ impl App {
             (Command::Play, self.time.clock.is_some()),
             (Command::Compare, self.comparison.pinned.is_some()),
             (Command::Validity, self.validity),
-            (Command::Paint, self.panels.painting.is_on),
+            (Command::Paint, self.document.painting.is_on),
             (Command::Inertia, self.navigation.inertia),
             (Command::LevelOrbit, self.navigation.level),
             (Command::InspectPixel, self.inspector.is_open()),
             (Command::Lesson, self.lesson.is_open),
             (Command::Place, self.objects.places),
             (Command::FullScreen, self.full_screen),
-            (Command::Turntable, self.panels.finals.frames().is_some()),
+            (Command::Turntable, self.document.exports.frames().is_some()),
             (Command::Panels, self.panels.hidden),
             (Command::Help, self.help),
         ]
@@ -201,12 +201,12 @@ impl App {
 
     /// Turns the brush on or off.
     fn toggle_brush(&mut self) {
-        if self.model.scene().has_several() {
-            self.panels.painting.is_on = false;
+        if self.document.model.scene().has_several() {
+            self.document.painting.is_on = false;
             return self.note(SEVERAL);
         }
-        self.panels.painting.is_on ^= true;
-        self.note(if self.panels.painting.is_on {
+        self.document.painting.is_on ^= true;
+        self.note(if self.document.painting.is_on {
             "the brush paints where a drag begins on the object; beside it, the drag turns the view"
         } else {
             "the brush is off"
@@ -214,7 +214,7 @@ impl App {
     }
 
     fn strengthen(&mut self, factor: f32) {
-        let painting = &mut self.panels.painting;
+        let painting = &mut self.document.painting;
         if !painting.is_on {
             return self.note("the brush is off: B turns it on");
         }
@@ -225,26 +225,26 @@ impl App {
 
     /// Duplicates the selected object, or the main one.
     fn duplicate(&mut self) {
-        let from = self.panels.selected().map(String::from);
-        if let Some(name) = self.model.duplicate_part(from.as_deref()) {
+        let from = self.document.selection.part().map(String::from);
+        if let Some(name) = self.document.model.duplicate_part(from.as_deref()) {
             self.note(format!("{} is duplicated as {name}: G places it", from.as_deref().unwrap_or(MAIN)));
-            self.panels.select(Some(name));
+            self.document.selection.select(Some(name));
         }
     }
 
     /// Removes the selected keyframe, else the selected object.
     fn delete(&mut self) {
-        if self.panels.remove_key(&mut self.model) {
-            return self.model.end_undo_group();
+        if self.panels.remove_key(&mut self.document.model) {
+            return self.document.model.end_undo_group();
         }
-        match self.panels.selected().map(String::from) {
-            None if self.model.scene().parts.is_empty() => self.note("the only object cannot be removed"),
+        match self.document.selection.part().map(String::from) {
+            None if self.document.model.scene().parts.is_empty() => self.note("the only object cannot be removed"),
             None => self.note("the main object cannot be removed: select another one"),
-            Some(name) if self.panels.is_locked(&name) => {
+            Some(name) if self.document.selection.is_locked(&name) => {
                 self.note(format!("{name} is locked: unlock it in Objects first"));
             }
             Some(name) => {
-                if self.model.remove_part(&name) {
+                if self.document.model.remove_part(&name) {
                     self.note(format!("{name} is removed: Ctrl+Z brings it back"));
                 }
             }
@@ -253,7 +253,7 @@ impl App {
 
     /// Whether the view can be moved; says so if not.
     pub(super) fn turns(&mut self) -> bool {
-        let is_fixed = self.model.scene().camera.matrices.is_some();
+        let is_fixed = self.document.model.scene().camera.matrices.is_some();
         if is_fixed {
             self.note("camera.matrices fix the view: remove them in Camera, Advanced, to move it");
         }
@@ -263,15 +263,15 @@ impl App {
     /// Begins a new scene.
     fn begin(&mut self) {
         self.navigation.glide = None;
-        self.panels.select(None);
-        if self.model.begin() {
+        self.document.selection.select(None);
+        if self.document.model.begin() {
             self.note("a new scene; Ctrl+Z goes back");
         }
     }
 
     /// Closes the window, after a question if there is unsaved work.
     pub(crate) fn ask_to_quit(&mut self) {
-        match self.panels.at_stake(&self.model) {
+        match self.document.at_stake() {
             Some(_) => self.panels.ask(Question::Quit),
             None => self.quit = true,
         }
@@ -280,12 +280,12 @@ impl App {
     /// Takes the preset `by` places after the current one.
     fn step(&mut self, by: isize) {
         let names: Vec<&str> = scene::names().collect();
-        let here = self.model.preset().and_then(|own| names.iter().position(|name| *name == own));
+        let here = self.document.model.preset().and_then(|own| names.iter().position(|name| *name == own));
         let count = names.len() as isize;
         let next = here.map_or(0, |here| (here as isize + by).rem_euclid(count));
-        self.model.take_preset(names[next as usize], false);
+        self.document.model.take_preset(names[next as usize], false);
         self.navigation.glide = None;
-        self.note(format!("{}: {}", names[next as usize], self.model.scene().about));
+        self.note(format!("{}: {}", names[next as usize], self.document.model.scene().about));
     }
 
     /// Stops the search for the fastest settings.
@@ -297,7 +297,7 @@ impl App {
 
     /// Writes the picture of the current scene.
     pub(crate) fn screenshot(&mut self, path: PathBuf) {
-        self.panels.finals.add(Order::picture(self.shown(), self.model.library().clone(), path));
+        self.document.exports.add(Order::picture(self.shown(), self.document.model.library().clone(), path));
     }
 
     /// Starts the search for the fastest settings within the error target, once the mouse is released.
@@ -315,7 +315,7 @@ impl App {
             Ok(bound) => {
                 worker.pick(Variant { scene: self.shown(), ..job.variants[0].clone() }, bound);
                 self.figures.picking = Some(0.0);
-                self.search.picked_for = Some(self.model.scene().clone());
+                self.search.picked_for = Some(self.document.model.scene().clone());
                 self.jobs.submitted = None; // the picture is gone on with afterwards
             }
             Err(error) => self.fail(error.to_string()),
@@ -325,16 +325,16 @@ impl App {
     /// Applies the settings that were found.
     pub(super) fn take(&mut self, pick: &Pick) {
         let content = |scene: &Scene| Scene { camera: Camera::default(), ..scene.clone() };
-        if self.search.picked_for.take().map(|scene| content(&scene)) != Some(content(self.model.scene())) {
+        if self.search.picked_for.take().map(|scene| content(&scene)) != Some(content(self.document.model.scene())) {
             self.fail("the scene changed during the search for the fastest settings: try again");
             return;
         }
         let Scene { quality, effect, .. } = &pick.scene;
-        let good = self.model.edit("way to draw", |scene| {
+        let good = self.document.model.edit("way to draw", |scene| {
             scene.quality.clone_from(quality);
             scene.effect.clone_from(effect);
         });
-        self.model.end_undo_group();
+        self.document.model.end_undo_group();
         if good {
             let by = if pick.unverified.is_none() { "the f64 reference" } else { "a finer picture" };
             let error = rounded_up(pick.verified.error);
@@ -347,7 +347,7 @@ impl App {
         let name = |number: u32| PathBuf::from(format!("{stem}_{number:03}{end}"));
         let taken = |path: &PathBuf| {
             let first = path.to_string_lossy().replace("####", "0000");
-            Path::new(&first).exists() || self.panels.finals.own.contains(Path::new(&first))
+            Path::new(&first).exists() || self.document.exports.is_own(Path::new(&first))
         };
         (1..1000).map(name).find(|path| !taken(path)).unwrap_or_else(|| name(1000))
     }

@@ -65,7 +65,7 @@ impl App {
 
     /// Contents of the picture while an object of the scene is not loaded, in words.
     fn standing_words(&self) -> String {
-        let name = &self.model.scene().object.input;
+        let name = &self.document.model.scene().object.input;
         match (self.jobs.standing, self.loader.progress()) {
             (Standing::Coarser, Some(_)) => "preview: a finer field is being computed".into(),
             (Standing::Before, Some(loading)) => format!("preview of the previous object: {} is loading", loading.name),
@@ -78,7 +78,7 @@ impl App {
 
     pub(super) fn status(&mut self) -> Status {
         let Figures { error, standard_error, size, samples, .. } = &self.figures;
-        let recording = self.panels.finals.frames();
+        let recording = self.document.exports.frames();
         let recent = &self.figures.recent_ms;
         let mean = recent.iter().sum::<f64>() / recent.len().max(1) as f64;
         let variance = recent.iter().map(|ms| (ms - mean).powi(2)).sum::<f64>() / recent.len().max(1) as f64;
@@ -96,7 +96,7 @@ impl App {
             device: self.figures.device.clone(),
             message: self.message.clone(),
             ignored: self.figures.ignored.clone(),
-            idle: self.unused_settings.poll(self.model.scene()).to_vec(),
+            idle: self.unused_settings.poll(self.document.model.scene()).to_vec(),
             window: self.jobs.submitted.as_ref().map_or([0, 0], |job| job.variants[0].scene.image.size),
             made: self.figures.made.clone(),
             progress: self.figures.picking.or(recording.map(|(done, all)| done as f32 / all.max(1) as f32)),

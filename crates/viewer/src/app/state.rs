@@ -2,11 +2,11 @@
 
 use crate::ViewError;
 use crate::background::{Background, Notify};
+use crate::document::Document;
 use crate::document::author::Author;
 use crate::document::model::Model;
 use crate::document::unsaved::{self, Latest};
-use crate::facts::Densities;
-use crate::facts::UnusedSettings;
+use crate::facts::{Densities, UnusedSettings};
 use crate::input::trackball::Trackball;
 use crate::inspect::Inspector;
 use crate::lesson::Lesson;
@@ -14,10 +14,8 @@ use crate::load::{Loader, Progress};
 use crate::message::Message;
 use crate::panels::Panels;
 use crate::playback::Playback;
-use crate::screen::Comparison;
-use crate::screen::Screen;
-use crate::worker::Figures;
-use crate::worker::{Job, Worker};
+use crate::screen::{Comparison, Screen};
+use crate::worker::{Figures, Job, Worker};
 use egui::{Pos2, Rect};
 use glam::DVec3;
 use hypertexture::gpu::{Gpu, Image, Options};
@@ -63,7 +61,7 @@ const BUDGET_MS: [f64; 2] = [30.0, 12.0];
 
 /// The state of the window.
 pub(crate) struct App {
-    pub(crate) model: Model,
+    pub(crate) document: Document,
     pub(super) panels: Panels,
     pub(super) library: Arc<Library>,
     pub(crate) worker: Option<Worker>,
@@ -250,13 +248,15 @@ impl App {
         let mut model = Model::new(start.scene.clone(), start.library.clone())?;
         model.set_file(start.file.clone());
         let program = std::env::current_exe().unwrap_or_else(|_| PathBuf::from("hypertexture"));
-        let mut panels = Panels::new(program, &model).map_err(scene::SceneError::from)?;
+        let mut document = Document::new(model, program).map_err(scene::SceneError::from)?;
+        let mut panels = Panels::default();
         panels.remember(unsaved::kept(), disk_cache::default_folder());
+        let Document { model, author, .. } = &mut document;
         let modules = &model.scene().modules;
         if let Some((slot, name, file)) =
             modules.iter().find_map(|(module, file)| module.split_once('/').map(|(slot, name)| (slot, name, file)))
         {
-            let followed = panels.author.follow(model.library(), slot, name, Path::new(file));
+            let followed = author.follow(model.library(), slot, name, Path::new(file));
             followed.unwrap_or_else(|error| log::warn!("{error}"));
         }
         let (now, camera) = (Instant::now(), model.scene().camera.clone());
@@ -291,7 +291,7 @@ impl App {
             full_screen: false,
             message: None,
             message_job: 0,
-            model,
+            document,
         })
     }
 
@@ -300,7 +300,7 @@ impl App {
         let info = gpu.info();
         self.figures.device = format!("{} ({})", info.name, info.driver);
         (self.figures.is_cpu, self.figures.budget_ms) = (info.cpu, BUDGET_MS[usize::from(!info.cpu)]);
-        let gate = self.panels.author.gate().clone();
+        let gate = self.document.author.gate().clone();
         gate.try_on(&info.name);
         self.worker = Some(Worker::start(gpu.clone(), gate, self.figures.budget_ms, self.notify.clone()));
         self.lesson.use_device(Some(gpu));
@@ -327,30 +327,30 @@ impl App {
 
     /// Notes unsaved work.
     pub(crate) fn note_unsaved(&mut self, latest: &Latest) {
-        self.panels.restored.take().into_iter().for_each(|folder| latest.took(folder));
-        latest.note(&self.model, &self.panels.author, &self.panels.painting);
+        self.document.restored.take().into_iter().for_each(|folder| latest.took(folder));
+        latest.note(&self.document.model, &self.document.author, &self.document.painting);
     }
 
     /// Notes unsaved work at the end of the window, also that of a stroke that goes on.
     pub(crate) fn note_last(&self, latest: &Latest) {
-        latest.note_last(&self.model, &self.panels.author, &self.panels.painting);
+        latest.note_last(&self.document.model, &self.document.author, &self.document.painting);
     }
 
     /// The edited module.
     pub(crate) fn author(&mut self) -> &mut Author {
-        &mut self.panels.author
+        &mut self.document.author
     }
 
     /// The title of the window: the scene, after a dot if there is unsaved work.
     pub(crate) fn title(&self) -> String {
         let name = |path: &Path| path.file_name().map(|name| name.to_string_lossy().into_owned());
-        let input = &self.model.scene().object.input;
+        let input = &self.document.model.scene().object.input;
         let of = || name(Path::new(input)).unwrap_or_default();
-        let scene = self.model.file().and_then(name).unwrap_or_else(|| match self.model.preset() {
+        let scene = self.document.model.file().and_then(name).unwrap_or_else(|| match self.document.model.preset() {
             Some(preset) => format!("{}, {preset}", of()),
             None => of(),
         });
-        let mark = if self.panels.is_unsaved(&self.model) { "\u{2022} " } else { "" };
+        let mark = if self.document.is_unsaved() { "\u{2022} " } else { "" };
         format!("{mark}{scene} \u{2013} hypertexture")
     }
 
@@ -361,7 +361,7 @@ impl App {
 
     /// Whether no search, final picture or measurement is running.
     pub(crate) fn is_idle(&self) -> bool {
-        self.figures.picking.is_none() && self.panels.finals.running.is_none() && !self.lesson.is_measuring()
+        self.figures.picking.is_none() && !self.document.exports.is_running() && !self.lesson.is_measuring()
     }
 
     /// Progress of the object that is being loaded.
@@ -372,7 +372,7 @@ impl App {
     /// Work that an automated run waits for, in words.
     pub(crate) fn awaited(&self) -> String {
         let error = self.figures.error;
-        match (self.panels.finals.progress(), self.loading()) {
+        match (self.document.exports.progress(), self.loading()) {
             (Some(progress), _) => format!("the screenshot: {progress}"),
             (None, Some(Progress { name, done, seconds })) if done > 0.0 => {
                 format!("the distance field of {name}: {:.0} %, {seconds} s", 100.0 * done)

@@ -18,7 +18,7 @@ const FRAME: Duration = Duration::from_millis(16);
 impl App {
     /// The scene at the current time, with its motion.
     pub(super) fn timed(&self) -> Scene {
-        let mut scene = self.model.scene().clone();
+        let mut scene = self.document.model.scene().clone();
         if let Some(clock) = self.time.clock {
             scene.camera.time = clock;
         }
@@ -34,8 +34,8 @@ impl App {
 
     /// Submits a job if the scene or its rendering options have changed.
     pub(super) fn submit(&mut self, ui: &Ui, now: Instant) {
-        if *self.library != *self.model.library() {
-            self.library = Arc::new(self.model.library().clone());
+        if *self.library != *self.document.model.library() {
+            self.library = Arc::new(self.document.model.library().clone());
         }
         let points = ui.ctx().pixels_per_point();
         let pane = self.place.size() * points;
@@ -45,7 +45,7 @@ impl App {
             scenes.push((Scene { camera: scenes[0].0.camera.clone(), ..kept.clone() }, library.clone()));
         }
         // A drag does not restart a field that is being computed, so that it is seen.
-        self.loader.is_coarse = self.panels.iso_drag && self.panels.selected().is_none();
+        self.loader.is_coarse = self.panels.iso_drag && self.document.selection.part().is_none();
         let is_late = self.panels.iso_drag && self.loader.progress().is_some();
         let (mut variants, lacked, mut lacks) = (Vec::new(), self.jobs.lacks_object, false);
         for (mut scene, library) in scenes {
@@ -64,7 +64,7 @@ impl App {
                 None => self.loader.subject(&scene, &library, !lacks && !is_late, &self.notify),
             };
             let subject = match subject {
-                Ok(Some(subject)) => match self.panels.painting.on(subject.clone(), &mut scene) {
+                Ok(Some(subject)) => match self.document.painting.on(subject.clone(), &mut scene) {
                     Ok(painted) => Ok(Some(painted)),
                     Err(reason) => {
                         self.fail(reason);
@@ -237,7 +237,7 @@ mod tests {
     #[test]
     fn while_a_field_is_computed_edits_are_drawn_with_the_one_before_and_no_picture_is_final() {
         let mut app = app();
-        app.model.edit("object", |scene| {
+        app.document.model.edit("object", |scene| {
             *scene = preset("fur").unwrap();
             (scene.object.input, scene.object.resolution) = ("teapot".into(), 16);
         });
@@ -257,26 +257,26 @@ mod tests {
             app.jobs.submitted.clone().unwrap()
         };
         let short = wait(&mut app, &mut post);
-        let length = app.model.parameters(None).outer()[0].clone();
-        app.model.edit("hair", |scene| {
+        let length = app.document.model.parameters(None).outer()[0].clone();
+        app.document.model.edit("hair", |scene| {
             scene.parameters.insert(length, ParameterValue::Number(0.8));
         });
         let preview = post(&mut app).unwrap();
         assert!(preview.number > short.number && preview.moving && app.jobs.lacks_object && !app.is_current());
         assert!(Arc::ptr_eq(&preview.variants[0].subject, &short.variants[0].subject));
-        app.model.edit("material.specular", |scene| scene.material.specular = 0.125);
+        app.document.model.edit("material.specular", |scene| scene.material.specular = 0.125);
         let next = post(&mut app).unwrap();
         assert_eq!(next.variants[0].scene.material.specular, 0.125, "it is not kept waiting");
         assert_eq!(app.status().picture, "preview: a finer field is being computed");
         let long = wait(&mut app, &mut post);
         assert!(!Arc::ptr_eq(&long.variants[0].subject, &short.variants[0].subject));
-        assert_eq!(long.variants[0].scene.parameters, app.model.scene().parameters);
+        assert_eq!(long.variants[0].scene.parameters, app.document.model.scene().parameters);
     }
 
     #[test]
     fn while_an_iso_value_is_dragged_the_field_is_coarse_and_then_has_its_resolution() {
         let mut app = app();
-        app.model.edit("object", |scene| (scene.object.input, scene.object.resolution) = ("knot".into(), 72));
+        app.document.model.edit("object", |scene| (scene.object.input, scene.object.resolution) = ("knot".into(), 72));
         let mut side = |dragged: bool| {
             app.panels.iso_drag = dragged;
             let began = Instant::now();
@@ -311,11 +311,11 @@ mod tests {
     #[test]
     fn a_variant_that_was_kept_keeps_its_modules() {
         let mut app = app();
-        app.model.edit("object.input", |scene| scene.object.input = "cube".into());
+        app.document.model.edit("object.input", |scene| scene.object.input = "cube".into());
         let before = app.library.clone();
-        app.comparison.pinned = Some((app.model.scene().clone(), before.clone()));
+        app.comparison.pinned = Some((app.document.model.scene().clone(), before.clone()));
         let text = "float another(float d, Sample s) { return d; }\n";
-        app.model.set_library(shipped().with_module("dmf", "another", text)).unwrap();
+        app.document.model.set_library(shipped().with_module("dmf", "another", text)).unwrap();
         let began = Instant::now();
         while app.jobs.submitted.is_none() {
             assert!(began.elapsed() < Duration::from_secs(600)); // a test that fails ends

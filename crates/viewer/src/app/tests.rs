@@ -27,10 +27,13 @@ fn a_key_without_effect_says_why() {
         hand.run_steps(1);
         assert!(said(&hand).contains(reason), "{key:?}: {}", said(&hand));
     }
-    assert!(!hand.state().panels.painting.is_on);
+    assert!(!hand.state().document.painting.is_on);
     // With matrices, the view cannot be moved.
     let matrices = hypertexture::scene::schema::setting("camera.matrices").unwrap().optional.unwrap();
-    hand.state_mut().model.edit("camera.matrices", |scene| scene.set_field("camera.matrices", matrices).unwrap());
+    hand.state_mut()
+        .document
+        .model
+        .edit("camera.matrices", |scene| scene.set_field("camera.matrices", matrices).unwrap());
     hand.run_steps(2);
     drag(&mut hand, [0.1, 0.1], [0.3, 0.2]);
     assert!(said(&hand).contains("camera.matrices fix the view"), "{}", said(&hand));
@@ -39,12 +42,12 @@ fn a_key_without_effect_says_why() {
 #[test]
 fn objects_are_duplicated_and_removed_by_keys() {
     let mut hand = loaded(scene());
-    hand.state_mut().panels.select(Some("b".into()));
+    hand.state_mut().document.selection.select(Some("b".into()));
     hand.key_press_modifiers(Modifiers::SHIFT, Key::D);
     hand.run_steps(2);
-    let parts = |hand: &Hand| hand.state().model.scene().parts.clone();
+    let parts = |hand: &Hand| hand.state().document.model.scene().parts.clone();
     assert_eq!(parts(&hand)["object1"].object, parts(&hand)["b"].object);
-    assert_eq!(hand.state().panels.selected(), Some("object1"), "{}", said(&hand));
+    assert_eq!(hand.state().document.selection.part(), Some("object1"), "{}", said(&hand));
     assert!(!hand.state().jobs.lacks_object, "a copy loads nothing");
     hand.key_press(Key::Delete);
     hand.run_steps(2);
@@ -61,10 +64,10 @@ fn escape_ends_what_is_on_before_it_asks_to_quit() {
     let escape = |hand: &mut Hand| {
         hand.key_press(Key::Escape);
         hand.run_steps(2);
-        (hand.state().objects.places, hand.state().panels.painting.is_on, hand.state().panels.is_asking())
+        (hand.state().objects.places, hand.state().document.painting.is_on, hand.state().panels.is_asking())
     };
     hand.key_press(Key::G);
-    hand.state_mut().panels.painting.is_on = true;
+    hand.state_mut().document.painting.is_on = true;
     hand.run_steps(2);
     assert!(hand.state().objects.places);
     assert_eq!(escape(&mut hand), (false, true, false));
@@ -75,14 +78,14 @@ fn escape_ends_what_is_on_before_it_asks_to_quit() {
 #[test]
 fn a_stroke_that_is_refused_turns_nothing() {
     let mut hand = loaded(scene());
-    hand.state_mut().panels.painting.is_on = true;
-    let before = hand.state().model.scene().clone();
+    hand.state_mut().document.painting.is_on = true;
+    let before = hand.state().document.model.scene().clone();
     drag(&mut hand, [0.5, 0.5], [0.6, 0.5]);
-    assert_eq!(hand.state().model.scene(), &before, "{}", said(&hand));
+    assert_eq!(hand.state().document.model.scene(), &before, "{}", said(&hand));
     assert!(said(&hand).contains("a groom needs a scene of one object"), "{}", said(&hand));
     // Beside the objects, a drag turns the view.
     drag(&mut hand, [0.02, 0.02], [0.1, 0.05]);
-    assert_ne!(hand.state().model.scene().camera, before.camera);
+    assert_ne!(hand.state().document.model.scene().camera, before.camera);
 }
 
 #[test]
@@ -94,22 +97,25 @@ fn a_stroke_begins_on_fur_beside_the_skin_and_each_is_one_step() {
     // The silhouette of the ball, right of the middle, and the outer end of its fur.
     let pose = app.jobs.current_view.unwrap();
     let place = |x: f32| 0.5 + 0.5 * pose.place(glam::Vec3::new(x, 0.0, 0.0))[0];
-    let outer = app.model.parameters(None).outer_iso().unwrap();
+    let outer = app.document.model.parameters(None).outer_iso().unwrap();
     let (skin, end) = (place(1.05), place(1.0 + outer));
-    hand.state_mut().panels.painting.is_on = true;
-    let camera = hand.state().model.scene().camera.clone();
+    hand.state_mut().document.painting.is_on = true;
+    let camera = hand.state().document.model.scene().camera.clone();
     for number in 1..=3 {
         drag(&mut hand, [skin + 0.5 * (end - skin), 0.5], [skin, 0.52]);
-        assert_eq!(hand.state().model.scene().camera, camera, "stroke {number} turned the view");
-        assert!(hand.state().model.scene().groom.is_some(), "{}", said(&hand));
+        assert_eq!(hand.state().document.model.scene().camera, camera, "stroke {number} turned the view");
+        assert!(hand.state().document.model.scene().groom.is_some(), "{}", said(&hand));
     }
     for _ in 0..3 {
-        assert!(hand.state_mut().model.undo());
+        assert!(hand.state_mut().document.model.undo());
     }
-    assert!(hand.state().model.scene().groom.is_none() && !hand.state_mut().model.undo(), "one step each");
+    assert!(
+        hand.state().document.model.scene().groom.is_none() && !hand.state_mut().document.model.undo(),
+        "one step each"
+    );
     drag(&mut hand, [0.02, 0.02], [0.1, 0.05]);
-    assert_ne!(hand.state().model.scene().camera, camera);
-    assert!(hand.state().model.undoes().is_none(), "the view is no step");
+    assert_ne!(hand.state().document.model.scene().camera, camera);
+    assert!(hand.state().document.model.undoes().is_none(), "the view is no step");
 }
 
 #[test]
@@ -119,7 +125,7 @@ fn the_frame_is_held_while_an_object_moves() {
     act(&mut hand, Some(Role::Button), "object b", Action::Click);
     let middle = |hand: &Hand| hand.state().jobs.current_view.unwrap().place(glam::Vec3::ZERO);
     let before = middle(&hand);
-    let steps = hand.state().model.undoes().map(String::from);
+    let steps = hand.state().document.model.undoes().map(String::from);
     for at in [0.5, 1.5, 3.0] {
         let (target_node, target_tree) = {
             let name = "parts.b.transform.at.x";
@@ -130,26 +136,26 @@ fn the_frame_is_held_while_an_object_moves() {
         let action = Action::SetValue;
         hand.event(Event::AccessKitActionRequest(ActionRequest { action, target_node, target_tree, data }));
         hand.run_steps(3);
-        assert_eq!(hand.state().model.scene().parts["b"].transform.at[0], at as f32);
+        assert_eq!(hand.state().document.model.scene().parts["b"].transform.at[0], at as f32);
         let after = middle(&hand);
         let moved = (after[0] - before[0]).hypot(after[1] - before[1]);
         assert!(moved < 0.02, "{at}: {before:?} {after:?}");
     }
-    let held = hand.state().model.scene().camera.clone();
-    while hand.state().model.undoes().map(String::from) != steps {
+    let held = hand.state().document.model.scene().camera.clone();
+    while hand.state().document.model.undoes().map(String::from) != steps {
         hand.key_press_modifiers(Modifiers::COMMAND, Key::Z);
         hand.run_steps(2);
     }
     let back = middle(&hand);
     assert!((back[0] - before[0]).hypot(back[1] - before[1]) < 0.02, "undo holds it too: {before:?} {back:?}");
-    hand.state_mut().panels.select(None);
+    hand.state_mut().document.selection.select(None);
     hand.key_press(Key::Period);
     hand.run_steps(2);
-    let camera = hand.state().model.scene().camera.clone();
+    let camera = hand.state().document.model.scene().camera.clone();
     assert!(camera != held && (camera.pan, camera.zoom) == ([0.0; 2], 1.0), "{camera:?}");
     // A selected object is in the middle.
-    hand.state_mut().panels.select(Some("c".into()));
-    hand.state_mut().model.edit("c", |scene| scene.parts.get_mut("c").unwrap().transform.at = [2.0, 1.0, 0.0]);
+    hand.state_mut().document.selection.select(Some("c".into()));
+    hand.state_mut().document.model.edit("c", |scene| scene.parts.get_mut("c").unwrap().transform.at = [2.0, 1.0, 0.0]);
     hand.run_steps(3);
     hand.key_press(Key::Period);
     hand.run_steps(3);
@@ -163,7 +169,7 @@ fn while_another_object_loads_the_one_before_it_turns() {
     scene.object.input = "sphere".into();
     let mut hand = loaded(scene);
     let before = hand.state().jobs.submitted.clone().unwrap();
-    hand.state_mut().model.edit("object", |scene| {
+    hand.state_mut().document.model.edit("object", |scene| {
         (scene.object.input, scene.object.resolution) = ("teapot".into(), 333); // in no cache
     });
     hand.run_steps(2);
@@ -179,34 +185,37 @@ fn while_another_object_loads_the_one_before_it_turns() {
 fn a_reset_of_the_view_is_one_step_back() {
     let mut hand = loaded(scene());
     let moved = |hand: &mut Hand, angle: f32| {
-        let model = &mut hand.state_mut().model;
+        let model = &mut hand.state_mut().document.model;
         model.look(|camera| (camera.azimuth, camera.zoom, camera.rotation) = (angle, 2.0, None));
         model.scene().camera.clone()
     };
-    hand.state_mut().model.edit("camera.projection", |scene| scene.camera.projection = Projection::Parallel);
+    hand.state_mut().document.model.edit("camera.projection", |scene| scene.camera.projection = Projection::Parallel);
     let own = moved(&mut hand, 33.0);
     hand.key_press(Key::R);
     hand.run_steps(2);
-    let home = hand.state().model.home().clone();
-    assert_eq!(hand.state().model.scene().camera, home);
+    let home = hand.state().document.model.home().clone();
+    assert_eq!(hand.state().document.model.scene().camera, home);
     hand.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     hand.run_steps(2);
-    assert_eq!(hand.state().model.scene().camera, own);
+    assert_eq!(hand.state().document.model.scene().camera, own);
     hand.key_press(Key::Y);
     hand.run_steps(2);
-    assert_eq!(hand.state().model.scene().camera, home);
+    assert_eq!(hand.state().document.model.scene().camera, home);
 }
 
 #[test]
 fn a_drag_of_the_light_speaks_of_no_view() {
     let mut hand = loaded(scene());
     let matrices = hypertexture::scene::schema::setting("camera.matrices").unwrap().optional.unwrap();
-    hand.state_mut().model.edit("camera.matrices", |scene| scene.set_field("camera.matrices", matrices).unwrap());
+    hand.state_mut()
+        .document
+        .model
+        .edit("camera.matrices", |scene| scene.set_field("camera.matrices", matrices).unwrap());
     hand.run_steps(2);
-    let before = hand.state().model.scene().light.position;
+    let before = hand.state().document.model.scene().light.position;
     hand.state_mut().message = None;
     drag_with(&mut hand, Modifiers::COMMAND, [0.3, 0.3], [0.5, 0.4]);
-    assert_ne!(hand.state().model.scene().light.position, before);
+    assert_ne!(hand.state().document.model.scene().light.position, before);
     assert_eq!(said(&hand), "");
 }
 
@@ -215,7 +224,7 @@ fn delete_removes_a_visible_keyframe_before_the_object() {
     const TRACK: &str = "light.intensity";
     let mut hand = loaded(scene());
     let keyed = |hand: &mut Hand| {
-        hand.state_mut().model.edit("keys", |scene| {
+        hand.state_mut().document.model.edit("keys", |scene| {
             let key = |time: f64, value: f64| Frame { time, value: value.into(), ease: Ease::Linear };
             for (time, value) in [(1.0, 0.5), (2.0, 1.0), (3.0, 1.5)] {
                 scene.animation.set_key(TRACK, key(time, value));
@@ -224,10 +233,10 @@ fn delete_removes_a_visible_keyframe_before_the_object() {
         hand.run_steps(2);
     };
     let delete = |hand: &mut Hand, part: &str| {
-        hand.state_mut().panels.select(Some(part.into()));
+        hand.state_mut().document.selection.select(Some(part.into()));
         hand.key_press(Key::Delete);
         hand.run_steps(2);
-        let scene = hand.state().model.scene();
+        let scene = hand.state().document.model.scene();
         (scene.parts.contains_key(part), scene.animation.tracks.contains_key(TRACK))
     };
     assert!(act(&mut hand, None, "timeline keyframes", Action::Click));
@@ -239,7 +248,7 @@ fn delete_removes_a_visible_keyframe_before_the_object() {
     }
     // A keyframe that is gone, and one that is not seen.
     assert!(act(&mut hand, None, &format!("{TRACK} key 1"), Action::Click));
-    hand.state_mut().model.edit("no keys", |scene| scene.animation.tracks.clear());
+    hand.state_mut().document.model.edit("no keys", |scene| scene.animation.tracks.clear());
     hand.run_steps(2);
     assert_eq!(delete(&mut hand, "b"), (false, false), "{}", said(&hand));
     keyed(&mut hand);
@@ -252,23 +261,23 @@ fn delete_removes_a_visible_keyframe_before_the_object() {
 #[test]
 fn a_new_scene_asks_only_for_a_scene_that_is_not_saved() {
     let mut hand = loaded(scene());
-    hand.state_mut().panels.author.text.push_str("// mine\n");
+    hand.state_mut().document.author.text.push_str("// mine\n");
     let begins = |hand: &mut Hand| {
         hand.key_press_modifiers(Modifiers::COMMAND, Key::N);
         hand.run_steps(2);
-        (hand.state().panels.is_asking(), hand.state().model.scene().parts.is_empty())
+        (hand.state().panels.is_asking(), hand.state().document.model.scene().parts.is_empty())
     };
     assert_eq!(begins(&mut hand), (false, true), "the text of a module stays");
-    assert!(hand.state().panels.author.text.ends_with("// mine\n"));
-    hand.state_mut().model.edit("specular", |scene| scene.material.specular = 0.75);
+    assert!(hand.state().document.author.text.ends_with("// mine\n"));
+    hand.state_mut().document.model.edit("specular", |scene| scene.material.specular = 0.75);
     assert_eq!(begins(&mut hand), (true, true));
-    assert_eq!(hand.state().model.scene().material.specular, 0.75);
+    assert_eq!(hand.state().document.model.scene().material.specular, 0.75);
 }
 
 #[test]
 fn the_key_that_led_to_a_question_does_not_answer_it() {
     let mut hand = loaded(scene());
-    let is_begun = |hand: &Hand| hand.state().model.scene().parts.is_empty();
+    let is_begun = |hand: &Hand| hand.state().document.model.scene().parts.is_empty();
     hand.state_mut().panels.ask(Question::New);
     hand.key_press(Key::Enter);
     hand.run_steps(2);
@@ -277,7 +286,7 @@ fn the_key_that_led_to_a_question_does_not_answer_it() {
     hand.run_steps(2);
     assert!(!hand.state().panels.is_asking() && is_begun(&hand));
     // The question takes the focus from the control that led to it.
-    assert!(hand.state_mut().model.undo() && act(&mut hand, None, "author", Action::Focus));
+    assert!(hand.state_mut().document.model.undo() && act(&mut hand, None, "author", Action::Focus));
     hand.state_mut().panels.ask(Question::New);
     hand.run_steps(2);
     hand.key_press(Key::Enter);
@@ -292,7 +301,7 @@ fn a_loop_is_the_range_from_its_start_on() {
     hand.run_steps(2);
     assert!(act(&mut hand, None, "animation.has_loop", Action::Click));
     hand.run_steps(2);
-    assert_eq!(hand.state().model.scene().animation.period, Some(10.0));
+    assert_eq!(hand.state().document.model.scene().animation.period, Some(10.0));
     let playback = hand.state().time.playback;
     assert_eq!((playback.range, playback.repeats), ([2.0, 12.0], true));
 }
@@ -308,7 +317,7 @@ fn work_that_cannot_be_restored_is_no_work_of_this_window() {
     hand.state_mut().panels.remember(kept.clone().into(), None);
     hand.run_steps(2);
     assert!(act(&mut hand, None, "kept.open", Action::Click));
-    assert_eq!(hand.state().panels.restored, None, "{:?}", hand.state().model.message());
+    assert_eq!(hand.state().document.restored, None, "{:?}", hand.state().document.model.message());
     assert!(act(&mut hand, None, "kept.open", Action::Click));
-    assert_eq!(hand.state().panels.restored.as_ref(), Some(&kept[1]));
+    assert_eq!(hand.state().document.restored.as_ref(), Some(&kept[1]));
 }

@@ -6,4 +6,9 @@ pub mod author;
 pub(crate) mod exports;
 pub mod model;
 pub(crate) mod painting;
+mod selection;
+mod state;
 pub mod unsaved;
+
+pub(crate) use selection::Selection;
+pub use state::Document;

@@ -4,6 +4,7 @@ use super::context::{Pass, prefix};
 use super::field_menu;
 use super::settings;
 use super::widgets::{self, Field, button, choice, field};
+use crate::document::Selection;
 use crate::input::Command;
 use egui::{Button, RichText, Sense, Ui, Vec2, vec2};
 use hypertexture::scene::Scene;
@@ -20,7 +21,8 @@ const ICON: Vec2 = vec2(18.0, 18.0);
 struct Dragged(String);
 
 /// The list of objects in the order in which they are combined, each with an eye, a lock and its name, and the formula.
-pub(super) fn list(ui: &mut Ui, pass: &mut Pass<'_>, selected: &mut Option<String>, locked: &mut BTreeSet<String>) {
+pub(super) fn list(ui: &mut Ui, pass: &mut Pass<'_>, selection: &mut Selection) {
+    let Selection { part: selected, locked } = selection;
     let model = pass.model;
     let order: Vec<String> = match chain(model.scene()) {
         Some(chain) => chain.into_iter().map(|(_, name)| name).collect(),

@@ -9,14 +9,22 @@ use crate::input::Command;
 use crate::playback::Playback;
 use egui::{Align, DragValue, Layout, Rect, Slider, SliderClamping, Ui, vec2};
 
-/// Playback button, time, speed, repetition and range; the axis with its handle; below it the tracks. `fps` are the frames
-/// per second of the ticks; in a low window all is one row, without ticks.
+/// Form of the timeline.
+#[derive(Clone, Copy)]
+pub(super) struct Form {
+    /// Frames per second of the ticks.
+    pub(super) fps: f64,
+    /// Whether all is one row, without ticks.
+    pub(super) is_row: bool,
+}
+
+/// Playback button, time, speed, repetition and range; the axis with its handle; below it the tracks.
 pub(super) fn show(
     ui: &mut Ui,
     model: &mut Model,
     status: &Status,
     keyframes: &mut Keyframes,
-    (fps, is_row): (f64, bool),
+    form: Form,
     commands: &mut Vec<Command>,
 ) {
     let (mut playback, mut time) = (status.playback, status.time.unwrap_or(model.scene().camera.time));
@@ -38,7 +46,7 @@ pub(super) fn show(
         named(ui, &repeats, "timeline loop").on_hover_text("Repeat the range.");
         seamless(ui, model, playback.range, is_edited);
         keyframes.switch(ui, model, &mut playback);
-        if is_row {
+        if form.is_row {
             slider(ui, &mut time, playback.range, commands);
         }
     });
@@ -46,7 +54,7 @@ pub(super) fn show(
     if playback != status.playback {
         commands.push(Command::Playback(playback));
     }
-    if is_row {
+    if form.is_row {
         return;
     }
     let axis = ui.horizontal(|ui| {
@@ -60,7 +68,7 @@ pub(super) fn show(
             if named(ui, &response, "timeline time").on_hover_text("Time, seconds.").changed() {
                 commands.push(Command::Time(time));
             }
-            ui.weak(format!("frame {:.0}", frame(time, fps)));
+            ui.weak(format!("frame {:.0}", frame(time, form.fps)));
         });
         let place = slider(ui, &mut time, playback.range, commands);
         // The handle of a slider stays within its ends.
@@ -69,7 +77,7 @@ pub(super) fn show(
             egui::style::HandleShape::Rect { aspect_ratio } => aspect_ratio,
         };
         let span = place.x_range().shrink(aspect * place.height() / 2.5);
-        Axis { left: span.min, width: span.span().max(1.0), range: playback.range, fps }
+        Axis { left: span.min, width: span.span().max(1.0), range: playback.range, fps: form.fps }
     });
     let axis = axis.inner;
     ticks(ui, &axis);

@@ -184,7 +184,7 @@ impl Script {
         let late = now.duration_since(due(moves).min(now));
         if *done == moves && events.is_empty() && (latency.is_complete() || late > LAST_ANSWER) {
             // Standard output may be closed.
-            let name = app.model.preset().unwrap_or("scene");
+            let name = app.document.model.preset().unwrap_or("scene");
             let _ = writeln!(io::stdout(), "{name}: {latency}");
             events.push(button(at(moves), PointerButton::Primary, false));
             self.orbit = None;

@@ -1,6 +1,8 @@
-//! Final pictures, rendered by a child process.
+//! Final pictures, rendered by a child process one after another.
 
 mod order;
+mod queue;
 
-pub(crate) use order::{BEHIND, GRID, Kind, Motion, Order, Rendering, is_installed};
+pub(crate) use order::{BEHIND, GRID, Kind, Motion, Order, is_installed};
 pub use order::{JOB, RenderAnswer, RenderJob};
+pub(crate) use queue::Exports;

@@ -27,8 +27,11 @@ pub(crate) const GRID: u32 = 128;
 const MAX_MANIFEST: u64 = 1 << 24;
 /// Background of a video, which has no transparency, if the scene has none.
 pub(crate) const BEHIND: Color = Color([22, 23, 26]);
+/// Limits beyond those of any machine: a final picture may take days.
+const UNLIMITED_TIME: Duration = Duration::from_secs(1 << 30);
+const UNLIMITED_MIB: u64 = 1 << 30;
 /// Interval between polls of ffmpeg.
-const LOOK: Duration = Duration::from_millis(50);
+const POLL: Duration = Duration::from_millis(50);
 
 /// Request to the child process.
 #[derive(Debug, Serialize, Deserialize)]
@@ -65,6 +68,20 @@ pub(crate) enum Kind {
     Volume,
     /// A page for browsers: a file, or a folder.
     Page,
+}
+
+impl Kind {
+    /// Name in messages.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Kind::Picture => "picture",
+            Kind::Sequence => "sequence",
+            Kind::Video => "video",
+            Kind::Mesh => "mesh",
+            Kind::Volume => "volume",
+            Kind::Page => "page",
+        }
+    }
 }
 
 /// Animation of a sequence.
@@ -187,7 +204,7 @@ impl Order {
     ) -> Result<(), String> {
         let (scene, changed) = (scene::to_text(&self.scene), shader::changed(&self.library));
         let job = RenderJob { scene, changed, command: self.command() };
-        let limits = Limits { time: Duration::from_secs(1 << 30), memory_mib: 1 << 30, ..Limits::default() };
+        let limits = Limits { time: UNLIMITED_TIME, memory_mib: UNLIMITED_MIB, ..Limits::default() };
         let rendered = Child::start(program, device, JOB, &limits).and_then(|mut child| {
             child.send(&job);
             loop {
@@ -206,7 +223,7 @@ impl Order {
             if is_stale() {
                 let _ = process.kill(); // it may have ended
             }
-            sleep(LOOK);
+            sleep(POLL);
         }
         let output = process.wait_with_output().map_err(fail)?;
         let said = String::from_utf8_lossy(&output.stderr);

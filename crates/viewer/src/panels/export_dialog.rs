@@ -2,19 +2,13 @@
 
 use super::status::Status;
 use super::widgets::{Field, button, field, fit, named, number, short, switch};
-use crate::document::author::Gate;
-use crate::document::exports::{BEHIND, GRID, Kind, Motion, Order, Rendering, is_installed};
+use crate::document::exports::{BEHIND, Exports, GRID, Kind, Motion, Order, is_installed};
 use crate::document::model::Model;
-use crate::message::Message;
 use egui::{DragValue, Id, TextEdit, Ui, Window};
 use hypertexture::scene::schema::Unit;
-use std::collections::{BTreeSet, VecDeque};
-use std::path::{Path, PathBuf};
-use std::sync::{Arc, LazyLock};
-use std::time::Duration;
+use std::path::PathBuf;
+use std::sync::LazyLock;
 
-/// Interval between polls of the process.
-const LOOK: Duration = Duration::from_millis(300);
 /// Common sizes.
 const SIZES: [[u32; 2]; 2] = [[1920, 1080], [3840, 2160]];
 /// Initial error target: a quarter of a step of 8 bits in the mid tones.
@@ -23,9 +17,8 @@ const FIRST_ERROR: f64 = 1e-3;
 /// Whether ffmpeg is installed.
 static FFMPEG: LazyLock<bool> = LazyLock::new(|| is_installed("ffmpeg"));
 
-/// The orders, and the state of the dialog.
-pub(crate) struct Finals {
-    gate: Arc<Gate>,
+/// State of the dialog.
+pub(crate) struct ExportDialog {
     pub(crate) is_open: bool,
     kind: Kind,
     path: String,
@@ -37,17 +30,11 @@ pub(crate) struct Finals {
     max_error: Option<f64>,
     motion: Motion,
     grid: u32,
-    pub(crate) running: Option<Rendering>,
-    waiting: VecDeque<Order>,
-    outcome: Option<Message>,
-    /// First files of all orders.
-    pub(crate) own: BTreeSet<PathBuf>,
 }
 
-impl Finals {
-    pub(super) fn new(gate: Arc<Gate>) -> Finals {
-        Finals {
-            gate,
+impl Default for ExportDialog {
+    fn default() -> ExportDialog {
+        ExportDialog {
             is_open: false,
             kind: Kind::Picture,
             path: "final.png".into(),
@@ -57,69 +44,14 @@ impl Finals {
             max_error: None,
             motion: Motion::default(),
             grid: GRID,
-            running: None,
-            waiting: VecDeque::new(),
-            outcome: None,
-            own: BTreeSet::new(),
         }
     }
+}
 
-    /// Renders an order after the earlier ones.
-    pub(crate) fn add(&mut self, order: Order) {
-        self.own.insert(order.first());
-        self.waiting.push_back(order);
-        self.outcome = None;
-        self.start_next();
-    }
-
-    fn start_next(&mut self) {
-        if self.running.is_none() {
-            self.running = self.waiting.pop_front().map(|order| Rendering::start(&self.gate, order));
-        }
-    }
-
-    /// Stops all orders.
-    pub(crate) fn stop(&mut self) {
-        self.waiting.clear();
-        let frames = self.running.take().and_then(|running| running.frames());
-        let progress = frames.map_or(String::new(), |(done, all)| format!(" after {done} of {all} frames"));
-        self.outcome = Some(Message::note(format!("the final picture was stopped{progress}")));
-    }
-
+impl ExportDialog {
     /// Frames per second of sequences.
     pub(super) fn fps(&self) -> f64 {
         self.motion.fps
-    }
-
-    /// Whether a picture replaces a file that this window did not write.
-    pub(super) fn replaces(&self, path: &Path) -> bool {
-        path.exists() && !self.own.contains(path)
-    }
-
-    /// Finished frames and all frames of the running order, if that is a sequence.
-    pub(crate) fn frames(&self) -> Option<(u32, u32)> {
-        self.running.as_ref()?.frames()
-    }
-
-    /// Result of the last order.
-    pub(crate) fn outcome(&self) -> Option<&Message> {
-        self.outcome.as_ref()
-    }
-
-    /// Progress of the order, in words.
-    pub(crate) fn progress(&self) -> Option<String> {
-        let running = self.running.as_ref()?;
-        let (kind, seconds) = (format!("{:?}", running.order.kind).to_lowercase(), running.seconds());
-        let stage = running.at.as_ref().filter(|(_, part)| *part < 1.0);
-        let stage = stage.map_or(String::new(), |(what, part)| {
-            let what = if *what == kind { String::new() } else { format!("{what} ") };
-            format!("{what}{:.0} %, ", (100.0 * part).floor())
-        });
-        Some(match running.frames() {
-            Some((done, all)) if done < all => format!("{kind}: {done} of {all} frames, {stage}{seconds} s"),
-            Some(_) => format!("{kind}: encoding, {seconds} s"),
-            _ => format!("{kind}: {stage}{seconds} s"),
-        })
     }
 
     /// Whether a file for another program is written in place of pictures.
@@ -148,26 +80,15 @@ impl Finals {
         Order { kind, motion, max_error, grid, ..Order::picture(scene, model.library().clone(), path) }
     }
 
-    /// Shows the dialog if it is open, and polls the running order.
-    pub(super) fn show(&mut self, ui: &Ui, model: &Model, status: &Status) {
-        if let Some(running) = &mut self.running {
-            match running.poll() {
-                None => ui.ctx().request_repaint_after(LOOK),
-                Some(done) => {
-                    let failed = |reason: String| Message::error(format!("final picture: {}", of_window(&reason)));
-                    self.outcome = Some(done.map_or_else(failed, Message::note));
-                    self.running = None;
-                    self.start_next();
-                }
-            }
-        }
+    /// Shows the dialog if it is open.
+    pub(super) fn show(&mut self, ui: &Ui, exports: &mut Exports, model: &Model, status: &Status) {
         let mut is_open = self.is_open;
         let window = Window::new("Final picture").id(Id::new("final")).open(&mut is_open).collapsible(false);
-        window.resizable(false).default_width(380.0).show(ui.ctx(), |ui| self.form(ui, model, status));
+        window.resizable(false).default_width(380.0).show(ui.ctx(), |ui| self.form(ui, exports, model, status));
         self.is_open &= is_open;
     }
 
-    fn form(&mut self, ui: &mut Ui, model: &Model, status: &Status) {
+    fn form(&mut self, ui: &mut Ui, exports: &mut Exports, model: &Model, status: &Status) {
         fit(ui);
         self.kinds(ui);
         if self.is_export() {
@@ -176,7 +97,7 @@ impl Finals {
                 number(ui, &mut None, &grid, &mut self.grid, 8..=512);
             }
             ui.separator();
-            return self.buttons(ui, self.order(model, status));
+            return self.buttons(ui, exports, self.order(model, status));
         }
         self.sizes(ui, model, status);
         self.accuracy(ui, model);
@@ -228,7 +149,7 @@ impl Finals {
         let has_background = order.scene.image.background.is_some();
         ui.weak(if has_background { "with its background" } else { "with a transparent background" });
         ui.separator();
-        self.buttons(ui, order);
+        self.buttons(ui, exports, order);
     }
 
     /// Kind and path of the output.
@@ -306,56 +227,31 @@ impl Finals {
         number(ui, &mut None, &smooth, &mut self.supersampling, 1..=64);
     }
 
-    fn buttons(&mut self, ui: &mut Ui, order: Order) {
+    fn buttons(&self, ui: &mut Ui, exports: &mut Exports, order: Order) {
         let first = order.first();
-        let replaces = self.replaces(&first);
-        if let Some(progress) = self.progress() {
+        if let Some(progress) = exports.progress() {
             ui.horizontal(|ui| {
-                match self.running.as_ref().and_then(|running| running.at.as_ref()) {
-                    Some((_, part)) => drop(ui.add(egui::ProgressBar::new(*part).desired_width(60.0))),
+                match exports.part() {
+                    Some(part) => drop(ui.add(egui::ProgressBar::new(part).desired_width(60.0))),
                     None => drop(ui.spinner()),
                 }
                 ui.label(progress);
                 if button(ui, "Stop", "final.stop", "Stop; finished frames stay.").clicked() {
-                    self.stop();
+                    exports.stop();
                 }
             });
-        } else {
-            if replaces {
-                ui.colored_label(ui.visuals().warn_fg_color, format!("{} exists", first.display()));
-            }
-            let text = match self.is_export() {
-                _ if replaces => "Replace it",
-                true => "Write",
-                false => "Render",
-            };
-            if button(ui, text, "final.render", "Write it in the background.").clicked() {
-                self.add(order);
-            }
+            return;
         }
-    }
-}
-
-/// A reason with the controls of the dialog in place of the options of the command line.
-fn of_window(reason: &str) -> String {
-    const NAMES: [(&str, &str); 4] = [
-        ("--restart", "tick `restart`"),
-        ("give another --output", "give another file name"),
-        ("--output", "the file name"),
-        ("--grid", "`grid`"),
-    ];
-    NAMES.iter().fold(reason.to_string(), |text, (option, name)| text.replace(option, name))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn errors_name_controls_of_the_dialog() {
-        let said = "a.frames shows another scene; give another --output, or --restart to render every frame again";
-        let told =
-            "a.frames shows another scene; give another file name, or tick `restart` to render every frame again";
-        assert_eq!(of_window(said), told);
+        let text = if exports.replaces(&first) {
+            ui.colored_label(ui.visuals().warn_fg_color, format!("{} exists", first.display()));
+            "Replace it"
+        } else if self.is_export() {
+            "Write"
+        } else {
+            "Render"
+        };
+        if button(ui, text, "final.render", "Write it in the background.").clicked() {
+            exports.add(order);
+        }
     }
 }

@@ -1,0 +1,131 @@
+//! The queue of final pictures.
+
+use super::order::{Order, Rendering};
+use crate::document::author::Gate;
+use crate::message::Message;
+use std::collections::{BTreeSet, VecDeque};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// The orders, of which one is running.
+pub(crate) struct Exports {
+    gate: Arc<Gate>,
+    running: Option<Rendering>,
+    waiting: VecDeque<Order>,
+    outcome: Option<Message>,
+    /// First files of all orders.
+    own: BTreeSet<PathBuf>,
+}
+
+impl Exports {
+    pub(crate) fn new(gate: Arc<Gate>) -> Exports {
+        Exports { gate, running: None, waiting: VecDeque::new(), outcome: None, own: BTreeSet::new() }
+    }
+
+    /// Renders an order after the earlier ones.
+    pub(crate) fn add(&mut self, order: Order) {
+        self.own.insert(order.first());
+        self.waiting.push_back(order);
+        self.outcome = None;
+        self.start_next();
+    }
+
+    fn start_next(&mut self) {
+        if self.running.is_none() {
+            self.running = self.waiting.pop_front().map(|order| Rendering::start(&self.gate, order));
+        }
+    }
+
+    /// Stops all orders.
+    pub(crate) fn stop(&mut self) {
+        self.waiting.clear();
+        let frames = self.running.take().and_then(|running| running.frames());
+        let progress = frames.map_or(String::new(), |(done, all)| format!(" after {done} of {all} frames"));
+        self.outcome = Some(Message::note(format!("the final picture was stopped{progress}")));
+    }
+
+    /// Receives the result of the running order, and starts the next one.
+    pub(crate) fn poll(&mut self) {
+        if let Some(done) = self.running.as_mut().and_then(Rendering::poll) {
+            let failed = |reason: String| Message::error(format!("final picture: {}", of_window(&reason)));
+            self.outcome = Some(done.map_or_else(failed, Message::note));
+            self.running = None;
+            self.start_next();
+        }
+    }
+
+    /// Whether an order is running.
+    pub(crate) fn is_running(&self) -> bool {
+        self.running.is_some()
+    }
+
+    /// Marks a file as one of this window.
+    pub(crate) fn note_own(&mut self, path: PathBuf) {
+        self.own.insert(path);
+    }
+
+    /// Whether a file is the first one of an order.
+    pub(crate) fn is_own(&self, path: &Path) -> bool {
+        self.own.contains(path)
+    }
+
+    /// Whether a picture replaces a file that this window did not write.
+    pub(crate) fn replaces(&self, path: &Path) -> bool {
+        path.exists() && !self.is_own(path)
+    }
+
+    /// Finished frames and all frames of the running order, if that is a sequence.
+    pub(crate) fn frames(&self) -> Option<(u32, u32)> {
+        self.running.as_ref()?.frames()
+    }
+
+    /// Finished part of the stage of the running order.
+    pub(crate) fn part(&self) -> Option<f32> {
+        self.running.as_ref()?.at.as_ref().map(|(_, part)| *part)
+    }
+
+    /// Result of the last order.
+    pub(crate) fn outcome(&self) -> Option<&Message> {
+        self.outcome.as_ref()
+    }
+
+    /// Progress of the running order, in words.
+    pub(crate) fn progress(&self) -> Option<String> {
+        let running = self.running.as_ref()?;
+        let (kind, seconds) = (running.order.kind.name(), running.seconds());
+        let stage = running.at.as_ref().filter(|(_, part)| *part < 1.0);
+        let stage = stage.map_or(String::new(), |(what, part)| {
+            let what = if *what == kind { String::new() } else { format!("{what} ") };
+            format!("{what}{:.0} %, ", (100.0 * part).floor())
+        });
+        Some(match running.frames() {
+            Some((done, all)) if done < all => format!("{kind}: {done} of {all} frames, {stage}{seconds} s"),
+            Some(_) => format!("{kind}: encoding, {seconds} s"),
+            _ => format!("{kind}: {stage}{seconds} s"),
+        })
+    }
+}
+
+/// A reason with the controls of the dialog in place of the options of the command line.
+fn of_window(reason: &str) -> String {
+    const NAMES: [(&str, &str); 4] = [
+        ("--restart", "tick `restart`"),
+        ("give another --output", "give another file name"),
+        ("--output", "the file name"),
+        ("--grid", "`grid`"),
+    ];
+    NAMES.iter().fold(reason.to_string(), |text, (option, name)| text.replace(option, name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_name_controls_of_the_dialog() {
+        let said = "a.frames shows another scene; give another --output, or --restart to render every frame again";
+        let told =
+            "a.frames shows another scene; give another file name, or tick `restart` to render every frame again";
+        assert_eq!(of_window(said), told);
+    }
+}
