@@ -38,7 +38,7 @@ impl App {
         let now = Instant::now();
         let passed = now.duration_since(self.time.last_frame).as_secs_f64();
         self.time.last_frame = now;
-        let before = self.document.model.scene().clone();
+        let before = self.document.model.shared_scene().clone();
         if !self.panels.is_asking() {
             self.type_number(ui.ctx());
             keys::pressed(ui.ctx()).into_iter().for_each(|command| self.perform(command));

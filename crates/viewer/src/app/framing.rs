@@ -8,6 +8,7 @@ use glam::Vec3;
 use hypertexture::render::variant::Variant as Program;
 use hypertexture::render::{self, Subject, ViewPose};
 use hypertexture::scene::{Camera, Projection, Scene};
+use std::sync::Arc;
 
 /// Fraction of half the picture that a framed object fills.
 const FILL: f32 = 0.7;
@@ -30,7 +31,7 @@ impl App {
     fn framed(&mut self, scene: &Scene) -> Option<Framed> {
         let mut scene = scene.moment().ok()?.into_owned();
         scene.image.size = self.pane();
-        let library = self.document.model.library().clone();
+        let library = self.document.model.shared_library().clone();
         let (_, subject) = self.loader.any(&Key::of(&scene, &library).ok()?)?;
         let program = Program::of(&scene, &library).ok()?;
         Some(Framed { pose: ViewPose::of(&program, &subject), half: render::half_height(&program, &subject) })
@@ -38,8 +39,11 @@ impl App {
 
     /// Keeps the frame after a change from `before` of anything but the view. The camera looks at the middle of all
     /// objects from a distance that shows them; its pan and zoom make up for a change of both.
-    pub(super) fn hold_frame(&mut self, before: &Scene) {
-        let now = self.document.model.scene().clone();
+    pub(super) fn hold_frame(&mut self, before: &Arc<Scene>) {
+        let now = self.document.model.shared_scene().clone();
+        if Arc::ptr_eq(before, &now) {
+            return;
+        }
         let is_held = now.camera == before.camera
             && now.object.input == before.object.input
             && now.about == before.about

@@ -6,6 +6,7 @@ mod gizmo;
 #[cfg(test)]
 mod hand;
 mod inspect;
+mod jobs;
 #[cfg(test)]
 mod monkey;
 mod mouse;

@@ -21,7 +21,7 @@ impl App {
         if let (Some(pixel), Some(variant), false) = (pixel, variant, self.document.model.scene().parts.is_empty()) {
             let Variant { scene, library, subject } = variant;
             self.objects.clicked = Some(Background::start(&self.notify, move |task| {
-                let found = object_along(&library, &scene, &subject, pixel, PLACES);
+                let found = object_along(&library, &*scene, &subject, pixel, PLACES);
                 task.send(found.map_err(|error| log::info!("object of a click: {error}")).ok().flatten());
             }));
         }

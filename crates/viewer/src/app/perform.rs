@@ -13,6 +13,7 @@ use hypertexture_measure::metric::Metric;
 use hypertexture_measure::pick::{ErrorBound, Pick};
 use hypertexture_measure::statistics::rounded_up;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Time without a change of the scene before the search for the fastest settings starts.
@@ -174,7 +175,7 @@ impl App {
     fn toggle_comparison(&mut self) {
         self.comparison.pinned = match self.comparison.pinned {
             Some(_) => None,
-            None => Some((self.shown(), self.library.clone())),
+            None => Some((Arc::new(self.shown()), self.library.clone())),
         };
         self.validity &= self.comparison.pinned.is_none();
     }
@@ -313,9 +314,9 @@ impl App {
         self.search.pick = None;
         match ErrorBound::new(Metric::Rmse, error) {
             Ok(bound) => {
-                worker.pick(Variant { scene: self.shown(), ..job.variants[0].clone() }, bound);
+                worker.pick(Variant { scene: Arc::new(self.shown()), ..job.variants[0].clone() }, bound);
                 self.figures.picking = Some(0.0);
-                self.search.picked_for = Some(self.document.model.scene().clone());
+                self.search.picked_for = Some(self.document.model.shared_scene().clone());
                 self.jobs.submitted = None; // the picture is gone on with afterwards
             }
             Err(error) => self.fail(error.to_string()),

@@ -1,6 +1,7 @@
 //! Results of other threads, and the status for the panels.
 
-use super::state::{App, GOOD, Standing};
+use super::jobs::Standing;
+use super::state::{App, GOOD};
 use crate::panels::Status;
 use crate::worker::Event;
 use crate::worker::{Figures, Stage};

@@ -1,5 +1,6 @@
 //! The state of the window, in parts by subject.
 
+use super::jobs::Jobs;
 use crate::ViewError;
 use crate::background::{Background, Notify};
 use crate::document::Document;
@@ -15,11 +16,10 @@ use crate::message::Message;
 use crate::panels::Panels;
 use crate::playback::Playback;
 use crate::screen::{Comparison, Screen};
-use crate::worker::{Figures, Job, Worker};
+use crate::worker::{Figures, Worker};
 use egui::{Pos2, Rect};
 use glam::DVec3;
 use hypertexture::gpu::{Gpu, Image, Options};
-use hypertexture::render::ViewPose;
 use hypertexture::scene::{self, Camera, Scene};
 use hypertexture::shader::Library;
 use hypertexture_support::disk_cache;
@@ -173,64 +173,8 @@ pub(super) struct Time {
 #[derive(Default)]
 pub(super) struct Compared {
     /// The pinned scene and its modules.
-    pub(super) pinned: Option<(Scene, Arc<Library>)>,
+    pub(super) pinned: Option<(Arc<Scene>, Arc<Library>)>,
     pub(super) view: Comparison,
-}
-
-/// Contents of the picture while an object of the scene is not loaded.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum Standing {
-    /// No picture.
-    #[default]
-    Nothing,
-    /// The object with another field.
-    Coarser,
-    /// The object that was shown before.
-    Before,
-}
-
-/// Jobs of the render thread, and the picture on the screen.
-pub(crate) struct Jobs {
-    /// The job that was submitted last.
-    pub(super) submitted: Option<Job>,
-    /// Number of the newest job.
-    pub(crate) number: u64,
-    /// Number of the job whose picture is on the screen.
-    pub(crate) on_screen: u64,
-    /// Number of the first job of the current scene.
-    pub(super) since: u64,
-    /// Time of the last change of the scene.
-    pub(super) changed: Instant,
-    /// Start of the wait for a preview.
-    pub(super) waiting_since: Option<Instant>,
-    /// Whether a picture has arrived that the window does not show yet.
-    pub(super) fresh: bool,
-    /// Whether an object of the current scene is not loaded.
-    pub(crate) lacks_object: bool,
-    /// Contents of the picture while that is so.
-    pub(super) standing: Standing,
-    /// View of the picture on the screen.
-    pub(super) shown_view: Option<ViewPose>,
-    /// View of the current scene.
-    pub(super) current_view: Option<ViewPose>,
-}
-
-impl Jobs {
-    fn new(now: Instant) -> Jobs {
-        Jobs {
-            submitted: None,
-            number: 0,
-            on_screen: 0,
-            since: 0,
-            changed: now,
-            waiting_since: None,
-            fresh: false,
-            lacks_object: false,
-            standing: Standing::Nothing,
-            shown_view: None,
-            current_view: None,
-        }
-    }
 }
 
 /// The search for the fastest settings.
@@ -239,7 +183,7 @@ pub(super) struct Search {
     /// Error of a search that has not started.
     pub(super) pick: Option<f64>,
     /// The scene of the running search.
-    pub(super) picked_for: Option<Scene>,
+    pub(super) picked_for: Option<Arc<Scene>>,
 }
 
 impl App {
@@ -263,7 +207,7 @@ impl App {
         let mut playback = Playback::default();
         playback.reach(camera.time);
         Ok(App {
-            library: Arc::new(model.library().clone()),
+            library: model.shared_library().clone(),
             panels,
             worker: None,
             loader: Loader::default(),

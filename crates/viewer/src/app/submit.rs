@@ -1,8 +1,9 @@
 //! Jobs for the render thread.
 
-use super::state::{App, GOOD, Standing};
+use super::jobs::{Inputs, Standing};
+use super::state::{App, GOOD};
 use crate::load::SIDE;
-use crate::worker::{Job, Variant, sight};
+use crate::worker::{Job, Variant, is_same_scene, sight};
 use egui::Ui;
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
@@ -11,7 +12,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// A scene rests if it has not changed for this long.
-const REST: Duration = Duration::from_millis(200);
+const SETTLE: Duration = Duration::from_millis(200);
 /// Interval between frames of a moving scene.
 const FRAME: Duration = Duration::from_millis(16);
 
@@ -34,70 +35,24 @@ impl App {
 
     /// Submits a job if the scene or its rendering options have changed.
     pub(super) fn submit(&mut self, ui: &Ui, now: Instant) {
-        if *self.library != *self.document.model.library() {
-            self.library = Arc::new(self.document.model.library().clone());
-        }
-        let points = ui.ctx().pixels_per_point();
-        let pane = self.place.size() * points;
-        let size = [pane.x, pane.y].map(|side| (side.round() as u32).clamp(16, 8192));
-        let mut scenes = vec![(self.shown(), self.library.clone())];
-        if let Some((kept, library)) = &self.comparison.pinned {
-            scenes.push((Scene { camera: scenes[0].0.camera.clone(), ..kept.clone() }, library.clone()));
-        }
+        self.library.clone_from(self.document.model.shared_library());
         // A drag does not restart a field that is being computed, so that it is seen.
         self.loader.is_coarse = self.panels.iso_drag && self.document.selection.part().is_none();
-        let is_late = self.panels.iso_drag && self.loader.progress().is_some();
-        let (mut variants, lacked, mut lacks) = (Vec::new(), self.jobs.lacks_object, false);
-        for (mut scene, library) in scenes {
-            scene.image.size = size;
-            if self.loader.is_coarse {
-                scene.object.resolution = scene.object.resolution.min(SIDE);
-            }
-            // The object does not depend on the camera.
-            let before =
-                self.jobs.submitted.as_ref().filter(|_| !lacked).and_then(|job| job.variants.get(variants.len()));
-            let before =
-                before.filter(|own| Arc::ptr_eq(&own.library, &library) && differs_in_camera_only(&own.scene, &scene));
-            let subject = match before {
-                Some(before) => Ok(Some(before.subject.clone())),
-                // The loader loads one object at a time.
-                None => self.loader.subject(&scene, &library, !lacks && !is_late, &self.notify),
-            };
-            let subject = match subject {
-                Ok(Some(subject)) => match self.document.painting.on(subject.clone(), &mut scene) {
-                    Ok(painted) => Ok(Some(painted)),
-                    Err(reason) => {
-                        self.fail(reason);
-                        Ok(Some(subject))
-                    }
-                },
-                other => other,
-            };
-            match subject {
-                Ok(Some(subject)) => variants.push(Variant { scene, library, subject }),
-                Ok(None) => {
-                    lacks = true;
-                    let (standing, variant) = self.stand_in(variants.len(), &scene, &library);
-                    self.jobs.standing = standing;
-                    let Some(variant) = variant else { break };
-                    variants.push(variant);
-                }
-                Err(error) => self.fail(error.to_string()),
-            }
-        }
+        let inputs = self.inputs(ui);
+        let is_known = !self.jobs.lacks_object && self.jobs.inputs.as_ref().is_some_and(|own| own.is_same(&inputs));
+        let known = self.jobs.submitted.as_ref().filter(|_| is_known).map(|job| job.variants.clone());
+        let variants = known.unwrap_or_else(|| self.variants(inputs));
         if self.loader.progress().is_some() {
             ui.ctx().request_repaint_after(Duration::from_millis(50));
         }
-        let expected = 1 + usize::from(self.comparison.pinned.is_some());
-        self.jobs.lacks_object = lacks || variants.len() < expected;
-        if variants.len() < expected {
+        if variants.len() < self.expected() {
             return;
         }
-        let same = |job: &Job| {
-            job.variants.len() == variants.len()
-                && job.variants.iter().zip(&variants).all(|(a, b)| a.scene == b.scene && a.has_same_program(b))
+        let is_same = |job: &Job| {
+            let is_same = |a: &Variant, b: &Variant| is_same_scene(&a.scene, &b.scene) && a.has_same_program(b);
+            job.variants.len() == variants.len() && job.variants.iter().zip(&variants).all(|(a, b)| is_same(a, b))
         };
-        let changed = !self.jobs.submitted.as_ref().is_some_and(same);
+        let changed = !self.jobs.submitted.as_ref().is_some_and(is_same);
         if changed {
             self.jobs.current_view = sight(&variants[0]).ok();
         }
@@ -111,7 +66,93 @@ impl App {
         }
         let busy = self.navigation.dragging || self.time.clock.is_some() || self.navigation.glide.is_some();
         // A stand-in for an object is only good for previews.
-        let moving = busy || lacks || now.duration_since(self.jobs.changed) < REST;
+        let moving = busy || self.jobs.lacks_object || now.duration_since(self.jobs.changed) < SETTLE;
+        self.show(variants, changed, moving);
+        self.unused_settings.pause(moving || !self.is_current());
+        if let (false, Some(job)) = (moving, &self.jobs.submitted) {
+            self.unused_settings.request(job, &self.notify);
+        }
+        // Dragging causes frames by itself; playback and glide do not.
+        if self.time.clock.is_some() || self.navigation.glide.is_some() {
+            ui.ctx().request_repaint_after(FRAME);
+        } else if moving {
+            ui.ctx().request_repaint_after(SETTLE);
+        }
+    }
+
+    /// Number of variants of a job.
+    fn expected(&self) -> usize {
+        1 + usize::from(self.comparison.pinned.is_some())
+    }
+
+    /// The inputs of the variants.
+    fn inputs(&self, ui: &Ui) -> Inputs {
+        let pane = self.place.size() * ui.ctx().pixels_per_point();
+        Inputs {
+            scene: self.document.model.shared_scene().clone(),
+            library: self.library.clone(),
+            pinned: self.comparison.pinned.clone(),
+            clock: self.time.clock,
+            size: [pane.x, pane.y].map(|side| (side.round() as u32).clamp(16, 8192)),
+            is_coarse: self.loader.is_coarse,
+            groom: self.document.painting.revision(),
+        }
+    }
+
+    /// The scenes of the variants with their objects; fewer if an object is not loaded and has no stand-in.
+    fn variants(&mut self, inputs: Inputs) -> Vec<Variant> {
+        let mut scenes = vec![(self.shown(), self.library.clone())];
+        if let Some((kept, library)) = &self.comparison.pinned {
+            scenes.push((Scene { camera: scenes[0].0.camera.clone(), ..Scene::clone(kept) }, library.clone()));
+        }
+        let is_late = self.panels.iso_drag && self.loader.progress().is_some();
+        let (mut variants, lacked, mut lacks, mut has_failed) = (Vec::new(), self.jobs.lacks_object, false, false);
+        for (mut scene, library) in scenes {
+            scene.image.size = inputs.size;
+            if inputs.is_coarse {
+                scene.object.resolution = scene.object.resolution.min(SIDE);
+            }
+            // The object does not depend on the camera.
+            let before =
+                self.jobs.submitted.as_ref().filter(|_| !lacked).and_then(|job| job.variants.get(variants.len()));
+            let before =
+                before.filter(|own| Arc::ptr_eq(&own.library, &library) && differs_in_camera_only(&own.scene, &scene));
+            let subject = match before {
+                Some(before) => Ok(Some(before.subject.clone())),
+                // The loader loads one object at a time.
+                None => self.loader.subject(&scene, &library, !lacks && !is_late, &self.notify),
+            };
+            let subject = match subject {
+                Ok(Some(subject)) => {
+                    let painted = self.document.painting.on(subject.clone(), &mut scene);
+                    Ok(Some(painted.unwrap_or_else(|reason| {
+                        has_failed = true;
+                        self.fail(reason);
+                        subject
+                    })))
+                }
+                other => other,
+            };
+            match subject {
+                Ok(Some(subject)) => variants.push(Variant { scene: Arc::new(scene), library, subject }),
+                Ok(None) => {
+                    lacks = true;
+                    let (standing, variant) = self.stand_in(variants.len(), &scene, &library);
+                    self.jobs.standing = standing;
+                    let Some(variant) = variant else { break };
+                    variants.push(variant);
+                }
+                Err(error) => self.fail(error.to_string()),
+            }
+        }
+        self.jobs.lacks_object = lacks || variants.len() < self.expected();
+        // A failure is reported in each frame.
+        self.jobs.inputs = (!has_failed).then_some(inputs);
+        variants
+    }
+
+    /// Submits a job of these variants, unless it is the one that was submitted last.
+    fn show(&mut self, variants: Vec<Variant>, changed: bool, moving: bool) {
         let max_error = self.max_error.unwrap_or(GOOD);
         // Times are measured while nothing else uses the device.
         let (validity, held) = (self.validity, self.lesson.is_held() || self.lesson.is_measuring());
@@ -130,30 +171,21 @@ impl App {
             }
             self.jobs.submitted = Some(job);
         }
-        self.unused_settings.pause(moving || !self.is_current());
-        if let (false, Some(job)) = (moving, &self.jobs.submitted) {
-            self.unused_settings.request(job, &self.notify);
-        }
-        // Dragging causes frames by itself; playback and glide do not.
-        if self.time.clock.is_some() || self.navigation.glide.is_some() {
-            ui.ctx().request_repaint_after(FRAME);
-        } else if moving {
-            ui.ctx().request_repaint_after(REST);
-        }
     }
 
     /// A stand-in for a variant whose object is not loaded: the same input with the field that there is, else the object
     /// that was shown before, seen by the camera of the scene.
     fn stand_in(&mut self, index: usize, scene: &Scene, library: &Arc<Library>) -> (Standing, Option<Variant>) {
         if let Some((scene, subject)) = self.loader.stand_in(scene, library) {
-            return (Standing::Coarser, Some(Variant { scene, library: library.clone(), subject }));
+            let (scene, library) = (Arc::new(scene), library.clone());
+            return (Standing::Coarser, Some(Variant { scene, library, subject }));
         }
         let before = self.jobs.submitted.as_ref().and_then(|job| job.variants.get(index));
         let before = before.and_then(|Variant { scene: own, library, subject }| {
-            let mut held = Scene { camera: scene.camera.clone(), ..own.clone() };
+            let mut held = Scene { camera: scene.camera.clone(), ..Scene::clone(own) };
             held.image.size = scene.image.size;
             let (library, subject) = (library.clone(), subject.clone());
-            held.check(&library).is_ok().then_some(Variant { scene: held, library, subject })
+            held.check(&library).is_ok().then_some(Variant { scene: Arc::new(held), library, subject })
         });
         (if before.is_some() { Standing::Before } else { Standing::Nothing }, before)
     }
@@ -197,7 +229,7 @@ mod tests {
         let (mut scene, library) = (preset("lit").unwrap(), Arc::new(shipped()));
         scene.object.input = "cube".into();
         let subject = Arc::new(Subject::load(&scene, &library, &|_| ()).unwrap());
-        let variants = vec![Variant { scene, library, subject }];
+        let variants = vec![Variant { scene: Arc::new(scene), library, subject }];
         let job =
             Job { number: 2, variants, moving: true, max_error: 1e-3, focus: [0.5; 2], held: false, validity: false };
         let now = Instant::now();
@@ -313,7 +345,7 @@ mod tests {
         let mut app = app();
         app.document.model.edit("object.input", |scene| scene.object.input = "cube".into());
         let before = app.library.clone();
-        app.comparison.pinned = Some((app.document.model.scene().clone(), before.clone()));
+        app.comparison.pinned = Some((app.document.model.shared_scene().clone(), before.clone()));
         let text = "float another(float d, Sample s) { return d; }\n";
         app.document.model.set_library(shipped().with_module("dmf", "another", text)).unwrap();
         let began = Instant::now();

@@ -38,6 +38,8 @@ pub struct Painting {
     stroke: Option<Stroke>,
     /// The latest object with its groom.
     latest: Option<(Arc<Subject>, Arc<Subject>)>,
+    /// Number of changes of the groom.
+    revision: u64,
 }
 
 struct Stroke {
@@ -50,7 +52,7 @@ struct Stroke {
 impl Default for Painting {
     fn default() -> Painting {
         let brush = Brush { kind: BrushKind::default(), radius: 0.15, strength: 0.3, color: [1.0; 3], mirrored: false };
-        Painting { is_on: false, brush, kept: Vec::new(), stroke: None, latest: None }
+        Painting { is_on: false, brush, kept: Vec::new(), stroke: None, latest: None, revision: 0 }
     }
 }
 
@@ -99,6 +101,11 @@ impl Painting {
         }
     }
 
+    /// Number of changes of the groom: touches, and ends of strokes.
+    pub(crate) fn revision(&self) -> u64 {
+        self.revision
+    }
+
     /// Whether a stroke is being painted.
     pub(crate) fn is_stroke(&self) -> bool {
         self.stroke.is_some()
@@ -112,7 +119,7 @@ impl Painting {
     /// Begins a stroke at a place of the surface. Returns the file that the scene is to name.
     ///
     /// # Errors
-    /// The present groom cannot be read, or there is no cache.
+    /// The scene's groom cannot be read, or there is no cache.
     pub(crate) fn begin(&mut self, scene: &Scene, at: Vec3, normal: Vec3) -> Result<String, String> {
         let groom = self.groom(scene)?;
         let groom = groom.unwrap_or_else(|| Arc::new(Groom::unpainted(&scene.object.input, SIDE)));
@@ -137,11 +144,13 @@ impl Painting {
         let Some(stroke) = &mut self.stroke else { return };
         self.brush.touch(Arc::make_mut(&mut stroke.groom), at, normal, motion);
         (stroke.last, stroke.touches) = (at, stroke.touches + 1);
+        self.revision += 1;
     }
 
     /// Drops the stroke.
     pub(crate) fn cancel(&mut self) {
         self.stroke = None;
+        self.revision += 1;
     }
 
     /// Ends the stroke, and writes its file.
@@ -150,6 +159,7 @@ impl Painting {
     /// The file cannot be written; the groom stays in memory.
     pub(crate) fn end(&mut self) -> Result<(), String> {
         let Some(Stroke { groom, file, .. }) = self.stroke.take() else { return Ok(()) };
+        self.revision += 1;
         self.keep(file.clone(), groom.clone());
         let path = Path::new(&file);
         let folder = fs::create_dir_all(path.parent().unwrap_or(Path::new(".")));

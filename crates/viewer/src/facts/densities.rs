@@ -15,6 +15,8 @@ const BARS: usize = 64;
 /// The histogram of the last scene that was asked for.
 #[derive(Default)]
 pub(crate) struct Densities {
+    /// The scene that was asked for last, and its content.
+    asked: Option<Arc<Scene>>,
     content: Option<Scene>,
     running: Option<Background<Option<Vec<u32>>>>,
     histogram: Option<Arc<[u32]>>,
@@ -23,14 +25,19 @@ pub(crate) struct Densities {
 impl Densities {
     /// Starts the histogram of a job, unless it is known or another one is being computed.
     pub(crate) fn request(&mut self, job: &Job, notify: &Notify) {
-        let Variant { scene, library, subject } = job.variants[0].clone();
-        let content = content(&scene);
-        if self.running.is_some() || self.content.as_ref() == Some(&content) {
+        let Variant { scene, library, subject } = &job.variants[0];
+        if self.running.is_some() || self.asked.as_ref().is_some_and(|asked| Arc::ptr_eq(asked, scene)) {
+            return;
+        }
+        self.asked = Some(scene.clone());
+        let content = content(scene);
+        if self.content.as_ref() == Some(&content) {
             return;
         }
         self.content = Some(content);
+        let (scene, library, subject) = (scene.clone(), library.clone(), subject.clone());
         self.running = Some(Background::start(notify, move |task| {
-            let found = densities(&library, &scene, &subject, POINTS, BARS);
+            let found = densities(&library, &*scene, &subject, POINTS, BARS);
             task.send(found.map_err(|error| log::info!("densities: {error}")).ok());
         }));
     }

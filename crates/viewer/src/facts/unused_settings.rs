@@ -21,6 +21,8 @@ const POLL: Duration = Duration::from_millis(20);
 pub(crate) struct UnusedSettings {
     /// The most recently used last.
     found: Vec<Found>,
+    /// The scene that was asked for last.
+    asked: Option<Arc<Scene>>,
     running: Option<(String, Effect, Background<Vec<String>>)>,
     /// Whether the scene moves or has no current picture: the processor belongs to previews.
     paused: Arc<AtomicBool>,
@@ -41,6 +43,10 @@ impl UnusedSettings {
     /// Starts the computation for a job, unless its result is cached; cancels the one for another job.
     pub(crate) fn request(&mut self, job: &Job, notify: &Notify) {
         let Variant { scene, library, subject } = &job.variants[0];
+        if self.asked.as_ref().is_some_and(|asked| Arc::ptr_eq(asked, scene)) {
+            return;
+        }
+        self.asked = Some(scene.clone());
         let shape = scene.shape();
         if let Some(known) = self.found.iter().position(|found| found.shape == shape) {
             let last = self.found.remove(known);
@@ -73,6 +79,7 @@ impl UnusedSettings {
                 Poll::Pending => self.running = Some((shape, effect, background)),
                 Poll::Ready(Some(names)) => {
                     self.found.push(Found { shape, effect, names });
+                    self.asked = None; // the next request looks for its own result
                     let surplus = self.found.len().saturating_sub(CACHED);
                     self.found.drain(..surplus);
                 }
@@ -96,7 +103,7 @@ mod tests {
         let mut scene = preset(name).unwrap();
         scene.object.input = "cube".into();
         let subject = Arc::new(Subject::load(&scene, &library, &|_| ()).unwrap());
-        let variants = vec![Variant { scene, library, subject }];
+        let variants = vec![Variant { scene: Arc::new(scene), library, subject }];
         Job { number: 1, variants, moving: false, max_error: 1e-3, focus: [0.5; 2], held: false, validity: false }
     }
 

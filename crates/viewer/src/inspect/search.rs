@@ -1,6 +1,7 @@
 //! Search for the facts about a pixel.
 
 use crate::background::{Background, Notify};
+use crate::worker::is_same_scene;
 use hypertexture::render::variant::{Variant as Program, slot_of};
 use hypertexture::render::{Along, Subject, density_along};
 use hypertexture::scene::Scene;
@@ -52,7 +53,7 @@ enum Answer {
 /// A running search, which is cancelled on drop.
 pub(super) struct Search {
     pixel: [u32; 2],
-    scene: Scene,
+    scene: Arc<Scene>,
     library: Arc<Library>,
     answers: Background<Answer>,
 }
@@ -61,7 +62,7 @@ impl Search {
     /// Starts a search.
     pub(super) fn start(
         pixel: [u32; 2],
-        scene: Scene,
+        scene: Arc<Scene>,
         library: Arc<Library>,
         subject: Arc<Subject>,
         notify: &Notify,
@@ -71,7 +72,7 @@ impl Search {
             let (tell, stops) = (|answer| task.send(answer), || task.is_cancelled());
             tell(Answer::Modules(modules_of(&own, &modules)));
             if !stops() {
-                let ray = density_along(&modules, &own, &subject, pixel, PLACES);
+                let ray = density_along(&modules, &*own, &subject, pixel, PLACES);
                 tell(Answer::Ray(ray.map_err(|error| error.to_string())));
             }
             if !stops() {
@@ -95,7 +96,7 @@ impl Search {
     #[cfg(test)]
     pub(super) fn endless(
         pixel: [u32; 2],
-        scene: Scene,
+        scene: Arc<Scene>,
         library: Arc<Library>,
     ) -> (Search, Arc<std::sync::atomic::AtomicBool>) {
         let (answers, cancelled) = Background::endless();
@@ -103,8 +104,8 @@ impl Search {
     }
 
     /// Whether this is the search for a pixel of a scene.
-    pub(super) fn is_of(&self, pixel: [u32; 2], scene: &Scene, library: &Arc<Library>) -> bool {
-        self.pixel == pixel && Arc::ptr_eq(&self.library, library) && self.scene == *scene
+    pub(super) fn is_of(&self, pixel: [u32; 2], scene: &Arc<Scene>, library: &Arc<Library>) -> bool {
+        self.pixel == pixel && Arc::ptr_eq(&self.library, library) && is_same_scene(&self.scene, scene)
     }
 
     /// Cancels the search; its results remain.

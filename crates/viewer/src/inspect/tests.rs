@@ -29,7 +29,7 @@ fn job(change: impl FnOnce(&mut Scene)) -> Job {
     change(&mut scene);
     let library = Arc::new(shader::shipped());
     let subject = Arc::new(hypertexture::render::Subject::load(&scene, &library, &|_| ()).unwrap());
-    let variants = vec![Variant { scene, library, subject }];
+    let variants = vec![Variant { scene: Arc::new(scene), library, subject }];
     Job { number: 1, variants, moving: false, max_error: 1e-3, focus: [0.5; 2], held: false, validity: false }
 }
 
@@ -150,7 +150,7 @@ fn a_search_is_given_up_by_hand_by_another_pixel_and_by_another_scene() {
     assert!((harness.state().0.report.exact.clone().unwrap().unwrap().value[3] - 1.0).abs() < 1e-9);
     // Nothing is looked for while the scene moves, nor when nothing is inspected.
     harness.state_mut().1.moving = true;
-    harness.state_mut().1.variants[0].scene.camera.azimuth = 80.0;
+    Arc::make_mut(&mut harness.state_mut().1.variants[0].scene).camera.azimuth = 80.0;
     harness.run_steps(2);
     assert!(harness.state().0.search.is_none() && harness.state().0.report.exact.is_none());
     harness.state_mut().0.look_at(None);

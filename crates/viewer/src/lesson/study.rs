@@ -1,9 +1,10 @@
 //! The ray of a pixel: its samples, and the density along it.
 
 use crate::background::{Background, Notify};
-use crate::worker::Variant;
+use crate::worker::{Variant, is_same_scene};
 use hypertexture::render::{Along, density_along, samples_along};
 use hypertexture::scene::Scene;
+use std::sync::Arc;
 use std::task::Poll;
 
 /// Points on the ray. Lower: corners show in the curves. Higher: the curves follow the pointer later.
@@ -42,7 +43,7 @@ impl Ray {
 /// The ray that was found last, and the search for the next one.
 #[derive(Default)]
 pub(super) struct Study {
-    asked: Option<([u32; 2], Scene)>,
+    asked: Option<([u32; 2], Arc<Scene>)>,
     running: Option<Background<Result<Ray, String>>>,
     pub(super) found: Option<Result<Ray, String>>,
 }
@@ -55,7 +56,7 @@ impl Study {
             Some(Poll::Ready(found)) => (self.running, self.found) = (None, found),
             None => {}
         }
-        if self.asked.as_ref().is_some_and(|(of, scene)| *of == pixel && *scene == variant.scene) {
+        if self.asked.as_ref().is_some_and(|(of, scene)| *of == pixel && is_same_scene(scene, &variant.scene)) {
             return;
         }
         self.asked = Some((pixel, variant.scene.clone()));
@@ -67,13 +68,13 @@ impl Study {
 fn ray(pixel: [u32; 2], variant: &Variant) -> Result<Ray, String> {
     let Variant { scene, library, subject } = variant;
     let along = |scene: &Scene| density_along(library, scene, subject, pixel, PLACES);
-    let mut plain = scene.clone();
+    let mut plain = Scene::clone(scene);
     // Its soft region is as wide as the modules make it.
     let outer = scene.check(library).ok().and_then(|parameters| parameters.outer_iso());
     plain.object.outer_iso = outer.unwrap_or(plain.object.outer_iso);
     (plain.effect.dmf, plain.effect.warp, plain.parameters) = Default::default();
     let density = along(scene).map_err(|error| error.to_string())?;
-    let samples = samples_along(library, scene, subject, pixel).map_err(|error| error.to_string())?;
+    let samples = samples_along(library, &**scene, subject, pixel).map_err(|error| error.to_string())?;
     Ok(Ray { density, soft: along(&plain).unwrap_or_default(), samples })
 }
 
@@ -83,7 +84,6 @@ mod tests {
     use hypertexture::render::Subject;
     use hypertexture::scene::preset;
     use hypertexture::shader::shipped;
-    use std::sync::Arc;
 
     /// Without its modules, the density along the central ray of a ball is that of its soft region, which falls to 0 outside.
     #[test]
@@ -92,7 +92,7 @@ mod tests {
         (scene.quality.samples, scene.image.size) = (512, [101, 101]);
         (scene.effect.dmf, scene.effect.warp, scene.parameters) = Default::default();
         let subject = Arc::new(Subject::load(&scene, &shipped(), &|_| ()).unwrap());
-        let found = ray([50, 50], &Variant { scene, library: Arc::new(shipped()), subject }).unwrap();
+        let found = ray([50, 50], &Variant { scene: Arc::new(scene), library: Arc::new(shipped()), subject }).unwrap();
         let steps: Vec<f64> = found.samples.windows(2).map(|pair| pair[1] - pair[0]).collect();
         assert!(steps.len() > 100 && steps.iter().all(|step| (step / steps[0] - 1.0).abs() < 1e-3), "{steps:?}");
         assert_eq!(found.density, found.soft, "nothing modulates it");

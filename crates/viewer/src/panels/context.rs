@@ -7,6 +7,7 @@ use crate::input::Command;
 use egui::Ui;
 use hypertexture::scene::{Effect, ParameterValue, Scene, Transfer};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Opacity of the controls of settings that the picture does not read.
 const UNREAD: f32 = 0.45;
@@ -16,7 +17,7 @@ pub(super) struct Pass<'a> {
     /// The scene with the changes of the controls.
     pub(super) draft: Scene,
     /// The scene before the pass.
-    pub(super) before: Scene,
+    pub(super) before: Arc<Scene>,
     /// Values that controls show in place of those of the scene, by field.
     pub(super) shown: BTreeMap<String, toml::Value>,
     /// Why a value was refused.

@@ -13,6 +13,7 @@ use crate::document::{Document, Selection};
 use crate::input::Command;
 use crate::message::Message;
 use egui::{CollapsingHeader, Id, Panel, PanelState, RichText, ScrollArea, Ui};
+use hypertexture::scene::Scene;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -205,8 +206,8 @@ impl Panels {
     fn controls(&mut self, ui: &mut Ui, document: &mut Document, status: &Status) -> Vec<Command> {
         let Document { model, selection, painting, exports, .. } = document;
         selection.follow(model.scene());
-        let (draft, commands) = (model.present(), Vec::new());
-        let (before, shown) = (draft.clone(), BTreeMap::new());
+        let before = model.present();
+        let (draft, shown, commands) = (Scene::clone(&before), BTreeMap::new(), Vec::new());
         let (advanced, keys) = (self.advanced, self.keyframes.shown);
         let mut pass = Pass { draft, before, shown, refused: None, touch: None, commands, model, status, advanced, keys };
         ui.add_space(4.0);

@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// A scene with its modules and its object.
 #[derive(Clone)]
 pub(crate) struct Variant {
-    pub(crate) scene: Scene,
+    pub(crate) scene: Arc<Scene>,
     pub(crate) library: Arc<Library>,
     pub(crate) subject: Arc<Subject>,
 }
@@ -22,6 +22,11 @@ impl Variant {
         let same = Arc::ptr_eq(&self.subject, &other.subject) || self.subject.is_same_object(&other.subject);
         same && Arc::ptr_eq(&self.library, &other.library)
     }
+}
+
+/// Whether two shared scenes are equal, which those of one address are.
+pub(crate) fn is_same_scene(a: &Arc<Scene>, b: &Arc<Scene>) -> bool {
+    Arc::ptr_eq(a, b) || a == b
 }
 
 /// A job: the pictures for the screen.

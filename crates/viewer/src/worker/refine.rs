@@ -151,7 +151,7 @@ impl RenderThread {
         let Variant { scene, library, subject } = &job.variants[0];
         // Compiling a custom module takes a child process, which this is not worth.
         if scene.modules.is_empty() && **library == shipped() && !self.shared.is_stale(job.number) {
-            (self.send)(Event::Ignored(unused_overrides(library, subject, &nearest_preset(scene), scene)));
+            (self.send)(Event::Ignored(unused_overrides(library, subject, &nearest_preset(scene), &**scene)));
         }
     }
 
@@ -167,7 +167,7 @@ impl RenderThread {
         let mut all = accumulation.partial.take().unwrap_or_else(|| accumulation.coarse.iter().map(enlarged).collect());
         let (mut gpu_ms, mut costs, mut shown) = (0.0, Vec::new(), Instant::now());
         for (index, variant) in job.variants.iter().enumerate() {
-            if !renderers[index].own.is_ready(&variant.scene) && !self.rests(job, SHORT) {
+            if !renderers[index].own.is_ready(&*variant.scene) && !self.rests(job, SHORT) {
                 accumulation.partial = Some(all);
                 return Ok(false);
             }
@@ -265,7 +265,7 @@ impl RenderThread {
             return Ok(());
         }
         let level = self.budget.level();
-        let scenes = [scene, &other].map(|scene| level.scene(scene, true));
+        let scenes = [&**scene, &other].map(|scene| level.scene(scene, true));
         let mut times = [0.0; 2];
         for (time, scene) in times.iter_mut().zip(scenes) {
             let (shared, number) = (self.shared.clone(), job.number);

@@ -1,6 +1,6 @@
 //! The loop of the render thread.
 
-use super::job::{Event, Job, Picture};
+use super::job::{Event, Job, Picture, Variant};
 use super::mean::{Mean, resampled};
 use super::progressive::{Budget, FEWEST, Level};
 use super::renderers::{VariantRenderers, sight};
@@ -40,7 +40,7 @@ pub(super) struct RenderThread {
 /// Accumulated pictures of a resting scene.
 #[derive(Default)]
 pub(super) struct Accumulation {
-    pub(super) scenes: Vec<Scene>,
+    pub(super) scenes: Vec<Arc<Scene>>,
     pub(super) sights: Vec<ViewPose>,
     /// The first pictures and the level of the preview; `None` after a resize.
     pub(super) coarse: Vec<Vec<[f32; 4]>>,
@@ -68,10 +68,10 @@ impl Accumulation {
 
     /// Whether a job differs in the size only.
     fn is_resized_by(&self, job: &Job) -> bool {
-        let same = |(own, variant): (&Scene, &super::job::Variant)| {
-            let mut resized = own.clone();
+        let same = |(own, variant): (&Arc<Scene>, &Variant)| {
+            let mut resized = Scene::clone(own);
             resized.image.size = variant.scene.image.size;
-            resized == variant.scene
+            resized == *variant.scene
         };
         self.scenes.len() == job.variants.len() && self.scenes.iter().zip(&job.variants).all(same)
     }
@@ -87,7 +87,7 @@ impl Accumulation {
     }
 }
 
-fn scenes(job: &Job) -> Vec<Scene> {
+fn scenes(job: &Job) -> Vec<Arc<Scene>> {
     job.variants.iter().map(|variant| variant.scene.clone()).collect()
 }
 

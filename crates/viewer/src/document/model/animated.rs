@@ -1,8 +1,9 @@
 //! Edits of an animated scene: a new value of a field with keyframes becomes a keyframe at the present time.
 
-use super::Model;
+use super::state::{Model, Moment};
 use crate::input::trackball::level_angles;
 use hypertexture::scene::{Key, Scene, Track};
+use std::sync::Arc;
 use toml::Value;
 
 /// Seconds between times that count as one.
@@ -20,18 +21,28 @@ impl Model {
     }
 
     /// The scene with the values of the present time, and with its animation.
-    pub fn present(&self) -> Scene {
-        let mut timed = self.scene.clone();
-        timed.camera.time = self.time();
-        match timed.still() {
-            Ok(still) if !self.scene.animation.tracks.is_empty() => {
-                let mut present = still.into_owned();
-                present.animation = timed.animation;
-                present.camera.time = self.scene.camera.time;
-                present
-            }
-            _ => self.scene.clone(),
+    pub fn present(&self) -> Arc<Scene> {
+        if self.scene.animation.tracks.is_empty() {
+            return self.scene.clone();
         }
+        let (time, mut moment) = (self.time(), self.moment.borrow_mut());
+        let known = moment.as_ref().filter(|own| Arc::ptr_eq(&own.of, &self.scene) && own.time == time);
+        if let Some(known) = known {
+            return known.scene.clone();
+        }
+        let scene = self.scene_at(time).map_or_else(|| self.scene.clone(), Arc::new);
+        *moment = Some(Moment { of: self.scene.clone(), time, scene: scene.clone() });
+        scene
+    }
+
+    /// The scene with the values of a time; `None` if they are invalid.
+    fn scene_at(&self, time: f64) -> Option<Scene> {
+        let mut timed = (*self.scene).clone();
+        timed.camera.time = time;
+        let mut present = timed.still().ok()?.into_owned();
+        present.animation = timed.animation;
+        present.camera.time = self.scene.camera.time;
+        Some(present)
     }
 
     /// The keyframe of a field at the present time, if there is one.

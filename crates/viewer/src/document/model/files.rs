@@ -10,6 +10,7 @@ use hypertexture_measure::guard::edited;
 use hypertexture_support::{open, write_whole};
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 impl Model {
     /// Opens a scene file, or the scene of a picture; a file of any other kind becomes the object.
@@ -29,13 +30,14 @@ impl Model {
             }
             return good;
         }
-        let loaded = match is_picture {
-            true => scene_of_picture(path).map_err(|error| error.to_string()),
-            false => scene::load(path, Reach::Beside).map_err(|error| error.to_string()),
+        let loaded = if is_picture {
+            scene_of_picture(path).map_err(|error| error.to_string())
+        } else {
+            scene::load(path, Reach::Beside).map_err(|error| error.to_string())
         };
         let opened = loaded.and_then(|scene| {
             let library = self.with_modules_of(&scene).map_err(|error| error.to_string())?;
-            Ok((scene, std::mem::replace(&mut self.library, library)))
+            Ok((scene, self.replace_library(library)))
         });
         let (scene, library) = match opened {
             Ok(opened) => opened,
@@ -47,7 +49,8 @@ impl Model {
         let good = self.propose(&format!("open {name}"), scene);
         if good {
             self.end_undo_group();
-            (self.saved, self.file) = (self.scene.clone(), (!is_picture).then(|| path.into()));
+            self.set_saved(self.scene.clone());
+            self.file = (!is_picture).then(|| path.into());
             self.home.clone_from(&self.scene.camera);
         } else {
             self.library = library;
@@ -59,7 +62,7 @@ impl Model {
     pub(crate) fn restore(&mut self, path: &Path, origin: Option<PathBuf>) -> bool {
         let opened = scene::load(path, Reach::Anywhere).and_then(|scene| {
             let library = self.with_modules_of(&scene)?;
-            Ok((scene, std::mem::replace(&mut self.library, library)))
+            Ok((scene, self.replace_library(library)))
         });
         let (scene, library) = match opened {
             Ok(opened) => opened,
@@ -74,7 +77,7 @@ impl Model {
             self.end_undo_group();
             // The present content of the file; without one, the scene is unsaved as a whole.
             let saved = origin.as_deref().and_then(|file| scene::load(file, Reach::Anywhere).ok());
-            self.saved = saved.unwrap_or_default();
+            self.set_saved(Arc::new(saved.unwrap_or_default()));
             self.file = origin;
             self.home.clone_from(&self.scene.camera);
         } else {
@@ -87,7 +90,7 @@ impl Model {
     fn with_modules_of(&self, scene: &Scene) -> Result<Library, SceneError> {
         let own = scene.library()?;
         let modules = scene.modules.keys().filter_map(|module| module.split_once('/'));
-        Ok(modules.fold(self.library.clone(), |library, (slot, name)| {
+        Ok(modules.fold((*self.library).clone(), |library, (slot, name)| {
             let text = own.source(&format!("{slot}/{name}.glsl")).unwrap_or_default();
             library.with_module(slot, name, text)
         }))
@@ -101,7 +104,7 @@ impl Model {
 
     /// The scene for a file, with a painted groom copied beside it.
     fn groom_beside(&self, path: &Path) -> Result<Scene, String> {
-        let mut scene = self.scene.clone();
+        let mut scene = (*self.scene).clone();
         if let Some(version) = self.scene.groom.as_deref().filter(|file| is_version(file)) {
             let own = path.with_extension("groom.nrrd");
             let copied = fs::read(version).and_then(|bytes| write_whole(&own, &bytes));
@@ -123,8 +126,9 @@ impl Model {
         match write_whole(path, text.as_bytes()) {
             Ok(()) => {
                 self.written.insert(path.into(), text);
-                (self.saved, self.file) = (self.scene.clone(), Some(path.into()));
-                let edited = edited(&self.scene, &self.library).unwrap_or_default();
+                self.set_saved(self.scene.clone());
+                self.file = Some(path.into());
+                let edited = edited(&*self.scene, &self.library).unwrap_or_default();
                 let missing = if edited.is_empty() {
                     String::new()
                 } else {

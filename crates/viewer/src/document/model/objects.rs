@@ -31,7 +31,7 @@ impl Model {
         let mut part = match from {
             Some(from) => present.parts.get(from)?.clone(),
             None => {
-                let Scene { object, effect, parameters, material, transfer, .. } = present.clone();
+                let Scene { object, effect, parameters, material, transfer, .. } = Scene::clone(&present);
                 Part { object, effect, parameters, material, transfer, ..Part::default() }
             }
         };

@@ -19,7 +19,7 @@ impl Model {
                 return false;
             }
         };
-        let Scene { object, camera, image, .. } = self.scene.clone(); // the window has a size of its own
+        let Scene { object, camera, image, .. } = Scene::clone(&self.scene); // the window has a size of its own
         preset.image = image;
         if on_object {
             preset.replace_object(&object.input); // and what is aligned with it

@@ -3,36 +3,49 @@
 use crate::message::Message;
 use hypertexture::scene::{self, Camera, ParameterValue, Parameters, Scene, SceneError, schema};
 use hypertexture::shader::{Library, ParameterKind, Slots};
+use std::cell::RefCell;
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Number of undo steps, each of a few kilobytes. egui's `Undoer` has steps without names that end with time, and
 /// would restore a scene whose modules are gone.
 const HISTORY: usize = 256;
 
-/// The edited scene with its modules and its history.
+/// The edited scene with its modules and its history. A scene or library that is shared is replaced, not changed, so that
+/// others see by its address whether it is still the same.
 pub struct Model {
-    pub(super) scene: Scene,
-    pub(super) library: Library,
+    pub(super) scene: Arc<Scene>,
+    pub(super) library: Arc<Library>,
     pub(super) parameters: Parameters,
     pub(super) parts: BTreeMap<String, Parameters>,
     pub(super) past: VecDeque<Step>,
     pub(super) future: Vec<Step>,
     /// Name of the open undo group.
     pub(super) open: Option<String>,
-    pub(super) saved: Scene,
+    /// The scene of the file, and whether the present one differs.
+    saved: Arc<Scene>,
+    is_dirty: bool,
     pub(super) file: Option<PathBuf>,
     /// Texts by the files to which they were written.
     pub(super) written: BTreeMap<PathBuf, String>,
     pub(super) home: Camera,
     /// Time of playback.
     pub(super) clock: Option<f64>,
+    pub(super) moment: RefCell<Option<Moment>>,
     pub(super) message: Option<Message>,
+}
+
+/// An animated scene at a time.
+pub(super) struct Moment {
+    pub(super) of: Arc<Scene>,
+    pub(super) time: f64,
+    pub(super) scene: Arc<Scene>,
 }
 
 /// A scene of the history.
 pub(super) struct Step {
-    scene: Scene,
+    scene: Arc<Scene>,
     what: String,
     /// Whether the step itself changed the view, which otherwise stays where it was moved since.
     moves_view: bool,
@@ -51,9 +64,11 @@ impl Model {
     /// Errors of [`Scene::check`] and [`Scene::check_parts`].
     pub fn new(scene: Scene, library: Library) -> Result<Model, SceneError> {
         let (parameters, parts) = checked(&scene, &library)?;
-        let saved = scene.clone();
+        let (scene, library) = (Arc::new(scene), Arc::new(library));
         let (past, future, home) = (VecDeque::new(), Vec::new(), scene.camera.clone());
         Ok(Model {
+            saved: scene.clone(),
+            is_dirty: false,
             scene,
             library,
             parameters,
@@ -61,11 +76,11 @@ impl Model {
             past,
             future,
             open: None,
-            saved,
             file: None,
             written: BTreeMap::new(),
             home,
             clock: None,
+            moment: RefCell::new(None),
             message: None,
         })
     }
@@ -75,9 +90,41 @@ impl Model {
         &self.scene
     }
 
+    /// The scene, shared: another one has another address.
+    pub(crate) fn shared_scene(&self) -> &Arc<Scene> {
+        &self.scene
+    }
+
+    /// Replaces the scene; returns the one before.
+    fn replace_scene(&mut self, scene: Scene) -> Arc<Scene> {
+        let before = std::mem::replace(&mut self.scene, Arc::new(scene));
+        self.is_dirty = self.scene != self.saved;
+        before
+    }
+
+    /// Sets the scene of the file.
+    pub(super) fn set_saved(&mut self, saved: Arc<Scene>) {
+        self.is_dirty = self.scene != saved;
+        self.saved = saved;
+    }
+
     /// The modules.
     pub fn library(&self) -> &Library {
         &self.library
+    }
+
+    /// The modules, shared: another library has another address.
+    pub(crate) fn shared_library(&self) -> &Arc<Library> {
+        &self.library
+    }
+
+    /// Replaces the modules if they differ; returns those before.
+    pub(super) fn replace_library(&mut self, library: Library) -> Arc<Library> {
+        let before = self.library.clone();
+        if *before != library {
+            self.library = Arc::new(library);
+        }
+        before
     }
 
     /// The parameters of the main object, or of an additional one, with their values.
@@ -123,7 +170,8 @@ impl Model {
         let good = self.propose("new scene", scene);
         self.end_undo_group();
         if good {
-            (self.saved, self.file) = (self.scene.clone(), None);
+            self.set_saved(self.scene.clone());
+            self.file = None;
             self.home.clone_from(&self.scene.camera);
         }
         good
@@ -137,13 +185,15 @@ impl Model {
     /// Records the file of a custom module in the scene. This is not an undo step.
     pub fn file_module(&mut self, module: &str, file: &str) {
         if self.scene.modules.get(module).is_none_or(|known| known != file) {
-            self.scene.modules.insert(module.into(), file.into());
+            let mut scene = (*self.scene).clone();
+            scene.modules.insert(module.into(), file.into());
+            self.replace_scene(scene);
         }
     }
 
     /// Whether the scene has unsaved changes.
     pub fn is_dirty(&self) -> bool {
-        self.scene != self.saved
+        self.is_dirty
     }
 
     /// Changes the scene. Values of undeclared parameters are dropped, and shared settings are copied to all objects.
@@ -151,7 +201,7 @@ impl Model {
     ///
     /// Returns whether the change was accepted; if not, [`Model::message`] says why.
     pub fn edit(&mut self, what: &str, change: impl FnOnce(&mut Scene)) -> bool {
-        let mut scene = self.present();
+        let mut scene = Arc::unwrap_or_clone(self.present());
         change(&mut scene);
         self.change(what, scene)
     }
@@ -167,26 +217,28 @@ impl Model {
         if self.scene.animation.tracks.keys().any(|field| field.starts_with("camera.")) {
             return self.edit("camera", |scene| change(&mut scene.camera));
         }
-        let mut scene = self.scene.clone();
+        let mut scene = (*self.scene).clone();
         change(&mut scene.camera);
         match checked(&scene, &self.library) {
-            Ok(_) => self.scene = scene,
+            Ok(_) => {
+                self.replace_scene(scene);
+                true
+            }
             Err(error) => {
                 self.say(error.to_string());
-                return false;
+                false
             }
         }
-        true
     }
 
     /// Adjusts the view to the last change, as a part of its step.
     pub(crate) fn amend_view(&mut self, camera: Camera) {
-        self.scene.camera = camera;
+        self.replace_scene(Scene { camera, ..(*self.scene).clone() });
     }
 
     /// Replaces the scene; see [`Model::edit`].
     pub fn propose(&mut self, what: &str, mut scene: Scene) -> bool {
-        if scene == self.scene {
+        if scene == *self.scene {
             return true;
         }
         let normalized = normalize(&mut scene, &self.library).and_then(|()| checked(&scene, &self.library));
@@ -196,7 +248,7 @@ impl Model {
                 false
             }
             Ok((parameters, parts)) => {
-                let before = std::mem::replace(&mut self.scene, scene);
+                let before = self.replace_scene(scene);
                 let moves_view = with_view(&before.camera, &self.scene.camera) != before.camera;
                 match self.past.back_mut().filter(|_| self.open.as_deref() == Some(what)) {
                     Some(step) => step.moves_view |= moves_view,
@@ -253,14 +305,15 @@ impl Model {
     }
 
     /// Exchanges the scene with one of the history; `None` if a module of that one no longer exists.
-    fn exchange(&mut self, mut scene: Scene, moves_view: bool) -> Option<Scene> {
+    fn exchange(&mut self, scene: Arc<Scene>, moves_view: bool) -> Option<Arc<Scene>> {
+        let mut scene = Arc::unwrap_or_clone(scene);
         if !moves_view {
             scene.camera = with_view(&scene.camera, &self.scene.camera);
         }
         normalize(&mut scene, &self.library).ok()?;
         (self.parameters, self.parts) = checked(&scene, &self.library).ok()?;
         (self.open, self.message) = (None, None);
-        Some(std::mem::replace(&mut self.scene, scene))
+        Some(self.replace_scene(scene))
     }
 
     /// Replaces the modules. New parameters have their defaults, removed ones are dropped, and values are clamped to
@@ -269,10 +322,12 @@ impl Model {
     /// # Errors
     /// The scene is invalid with these modules; nothing is changed.
     pub fn set_library(&mut self, library: Library) -> Result<(), SceneError> {
-        let mut scene = self.scene.clone();
+        let mut scene = (*self.scene).clone();
         normalize(&mut scene, &library)?;
         (self.parameters, self.parts) = checked(&scene, &library)?;
-        (self.scene, self.library, self.message) = (scene, library, None);
+        self.replace_scene(scene);
+        self.replace_library(library);
+        self.message = None;
         Ok(())
     }
 

@@ -91,9 +91,13 @@ impl Latest {
         if stroke.is_some() && !is_due {
             return;
         }
-        let scene = model.is_dirty().then(|| model.scene());
+        let scene = model.is_dirty().then(|| model.shared_scene());
         let same_text = noted.module[1] == author.text && noted.module[0] == author.path();
-        let same = same_text && noted.unsaved.scene.as_ref() == scene && noted.unsaved.groom.is_none();
+        let same_scene = match (&noted.unsaved.scene, scene) {
+            (Some(own), Some(scene)) => Arc::ptr_eq(own, scene) || own == scene,
+            (own, scene) => own.is_none() && scene.is_none(),
+        };
+        let same = same_text && same_scene && noted.unsaved.groom.is_none();
         if !same || is_due {
             let unsaved = Unsaved { groom: stroke, ..Unsaved::of(model, author) };
             let (module, number) = ([author.path(), author.text.clone()], noted.number + 1);

@@ -41,7 +41,7 @@ const PART: &str = "part";
 /// Unsaved work: a scene with its groom and its file, and texts of modules by path.
 #[derive(Clone, Default)]
 pub struct Unsaved {
-    scene: Option<Scene>,
+    scene: Option<Arc<Scene>>,
     /// The file of the scene.
     origin: Option<PathBuf>,
     /// The groom of a stroke that goes on, whose file is not written yet.
@@ -52,7 +52,7 @@ pub struct Unsaved {
 impl Unsaved {
     /// The current unsaved work.
     pub fn of(model: &Model, author: &Author) -> Unsaved {
-        let scene = model.is_dirty().then(|| model.scene().clone());
+        let scene = model.is_dirty().then(|| model.shared_scene().clone());
         let origin = model.file().and_then(|file| std::path::absolute(file).ok());
         Unsaved { scene, origin, groom: None, texts: texts(model, author) }
     }
@@ -82,7 +82,7 @@ impl Unsaved {
         // Some file systems have no locks; the folder is then offered while its window is open.
         let _ = lock.try_lock();
         let mut files = self.texts.clone();
-        if let Some(mut scene) = self.scene.clone() {
+        if let Some(mut scene) = self.scene.as_deref().cloned() {
             absolute(&mut scene);
             for path in files.keys().filter(|path| SHIPPED.source(path).is_none()) {
                 let module = path.strip_suffix(".glsl").unwrap_or(path);
@@ -134,9 +134,10 @@ fn remove(folder: &Path) {
 
 /// Ends the offer of restored work. Its modules stay, since the scene names their files.
 fn take_over(folder: &Path) {
-    match modules(folder).is_empty() {
-        true => remove(folder),
-        false => drop(fs::write(folder.join(RESTORED), "")),
+    if modules(folder).is_empty() {
+        remove(folder);
+    } else {
+        let _ = fs::write(folder.join(RESTORED), ""); // the work is offered again
     }
 }
 
