@@ -115,12 +115,12 @@ pub(super) fn rates(lab: &Lab<'_>, rows: &mut Rows) -> Result<(), CaseError> {
 pub(super) fn slices(lab: &Lab<'_>, rows: &mut Rows) -> Result<(), CaseError> {
     const RATE: f64 = 3.0;
     /// Largest number of samples of a ray that is a multiple of 12; a device may cut longer loops.
-    const MOST: u32 = 59_616;
+    const MAX_SAMPLES: u32 = 59_616;
     let subject = box_subject(SLAB);
     let mut renderer = lab.renderer(&subject);
     for (pass, how) in PASSES {
-        for samples in [1, 2, 3, 12, 60, 600, 6_000, MOST, 99_996] {
-            if pass == Pass::March && samples > MOST {
+        for samples in [1, 2, 3, 12, 60, 600, 6_000, MAX_SAMPLES, 99_996] {
+            if pass == Pass::March && samples > MAX_SAMPLES {
                 continue;
             }
             let mut scene = slab_scene(RATE as f32, pass);

@@ -1,9 +1,9 @@
-//! Comparison: what accuracy costs, measured.
+//! Comparison: the measured cost of accuracy.
 //!
 //! Role: a scene into candidates ([`candidates`]), each rendered, held against its reference ([`metrics`]) and timed
-//! ([`timing`]); from these the front of what is worth its time ([`front`]), one for each truth (`truths`), and a report
-//! ([`report`]). Invariants: what failed is told and fails the report; every time has its spread and every picture its
-//! error; the same scene gives the same errors, digit by digit.
+//! ([`timing`]); from these the Pareto front of time and error ([`front`]), one for each truth (`truths`), and a report
+//! ([`report`]). Invariants: a failure is reported and fails the report; every time has its spread and every picture
+//! its error; the same scene gives the same errors, digit by digit.
 //!
 //! A candidate is measured against the truth of its own scene: a block of noise repeats the lattice noise that it was
 //! made of, so its truth is that noise, summed exactly, and what the block lost is part of its error. Another strategy
@@ -52,8 +52,8 @@ const SEED: u64 = 2005;
 const BATCH_BYTES: u64 = 768 << 20;
 /// Candidates that are timed together, at most.
 const BATCH: usize = 48;
-/// Time that the repetitions of one candidate may take, milliseconds; quick, and in full. A candidate that needs more has
-/// fewer runs, but not fewer than six.
+/// Time that the repetitions of one candidate may take, milliseconds; quick, and in full. A candidate that needs more
+/// has fewer runs, but not fewer than six.
 const REPEAT_MS: [f64; 2] = [250.0, 2000.0];
 /// The same of its warm-ups, of which there is at least one.
 const WARM_MS: [f64; 2] = [50.0, 300.0];
@@ -98,13 +98,13 @@ pub struct Row {
     pub candidate: Candidate,
     /// The truth of its scene.
     pub truth: Arc<GroundTruth>,
-    /// How far it is from the truth.
+    /// Its errors against the truth.
     pub metrics: Metrics,
-    /// How far its surface is turned from that of many samples, where the scene has a surface.
+    /// Angles between its surface normals and those of many samples; `None` without a surface.
     pub normals: Option<Angles>,
     /// Every run, in the order in which they were made.
     pub runs: Vec<Run>,
-    /// Preparation time.
+    /// First frame, with the preparation time.
     pub first: Frame,
 }
 
@@ -135,7 +135,7 @@ impl Row {
         format!("{time:9.3} ms  error {error:.2e}  {}", self.candidate.label())
     }
 
-    /// How much is had for the time, 1 / (mean square error x seconds).
+    /// Efficiency: 1 / (mean square error x seconds).
     pub fn efficiency(&self) -> f64 {
         1.0 / (self.metrics.errors.rmse.powi(2) * self.time().median * 1e-3)
     }
@@ -151,7 +151,7 @@ pub struct Failure {
 }
 
 impl Failure {
-    /// That of a candidate.
+    /// The failure of a candidate.
     pub fn of((candidate, error): &(Candidate, RenderError)) -> Failure {
         Failure { label: candidate.label(), message: error.to_string() }
     }
@@ -164,7 +164,7 @@ pub struct Comparison {
     pub scene: Scene,
     /// The candidates, curve by curve.
     pub rows: Vec<Row>,
-    /// Those that failed.
+    /// Failed candidates.
     pub failures: Vec<Failure>,
     /// Candidates that were planned.
     pub planned: usize,
@@ -179,7 +179,7 @@ pub struct Group {
     pub truth: Arc<GroundTruth>,
     /// Its rows.
     pub rows: Vec<usize>,
-    /// Those that none other of them beats, by rising time.
+    /// Those of the Pareto front, by rising time.
     pub front: Vec<usize>,
 }
 
@@ -201,7 +201,7 @@ impl Comparison {
         groups
     }
 
-    /// How many rows have unsteady times.
+    /// Number of rows with unsteady times.
     pub fn unsteady(&self) -> usize {
         self.rows.iter().filter(|row| row.time().is_unsteady()).count()
     }
@@ -216,7 +216,7 @@ impl Comparison {
 /// Computes the reference of a scene.
 pub type ComputeReference<'a> = dyn FnMut(&Scene) -> Result<Arc<Reference>, String> + 'a;
 
-/// All that pictures are made with.
+/// Device, library, object and worker of a comparison.
 #[derive(Clone, Copy)]
 pub struct Session<'a> {
     /// The device.
@@ -225,25 +225,26 @@ pub struct Session<'a> {
     pub library: &'a Library,
     /// The object of the scene.
     pub subject: &'a Subject,
-    /// Who draws the candidates, so that one by which the driver ends costs no other; `None`: this process.
+    /// Worker process that draws candidates, so that a driver crash loses one candidate; `None` draws in this process.
     pub worker: Option<&'a Worker>,
-    /// Whether the person or the scheduler wants an end.
+    /// Whether the comparison is to stop.
     pub stop: &'a (dyn Fn() -> bool + Sync),
 }
 
 impl<'a> Session<'a> {
-    /// Whoever draws a candidate.
+    /// A renderer of candidates.
     pub fn painter(&self) -> Painter<'a> {
         Painter::new(self.gpu, self.library, self.subject, self.worker)
     }
 }
 
-/// Draws, measures and times every candidate for a scene, those of the scene's own truth first; `compute_reference` gives the truth
-/// of a scene. A quick sweep without samples of its own goes on with more of them along the front. `tell` hears the front of the
-/// scene's own truth, line by line, once its candidates are timed. Stopped, it keeps the candidates that were timed.
+/// Draws, measures and times every candidate for a scene, those of the scene's own truth first; `compute_reference`
+/// gives the truth of a scene. A quick sweep without samples of its own goes on with more of them along the front.
+/// `tell` gets the front of the scene's own truth, line by line, once its candidates are timed. Stopped, it keeps the
+/// candidates that were timed.
 ///
 /// # Errors
-/// The scene has no candidate. What goes wrong with one of several is a [`Failure`].
+/// The scene has no candidate. An error of one of several candidates is a [`Failure`].
 pub fn compare(
     session: Session<'_>,
     scene: &Scene,
@@ -255,7 +256,7 @@ pub fn compare(
     let mut waiting: Vec<(usize, Candidate)> =
         candidates::candidates(scene, session.library, &settings.sweep)?.into_iter().enumerate().collect();
     let mut random = SplitMix(SEED);
-    random.shuffle(&mut waiting); // so that a batch holds a bit of everything of its truth
+    random.shuffle(&mut waiting); // so that a batch mixes all candidates of its truth
     let mut normals = Normals::new(session, scene);
     let mut rows: Vec<(usize, Row)> = Vec::new();
     let mut comparison = Comparison {
@@ -301,7 +302,7 @@ pub fn compare(
                     row.normals = normals.angles(&row.candidate.scene);
                     batch.push((index, row, renderer));
                 }
-                Err(_) if (session.stop)() => {} // whatever it was in the middle of
+                Err(_) if (session.stop)() => {} // the candidate was interrupted
                 Err(message) => comparison.failures.push(Failure { label, message }),
             }
             progress((planned - waiting.len()) as f32 / planned as f32 - 0.5 * batch.len() as f32 / planned as f32);
@@ -324,7 +325,7 @@ pub fn compare(
     Ok(comparison)
 }
 
-/// Tells the front of the scene's own truth.
+/// Reports the front of the scene's own truth.
 fn first_table(rows: &[(usize, Row)], tell: &dyn Fn(&str)) {
     let own: Vec<&Row> = rows.iter().map(|(_, row)| row).filter(|row| row.truth.is_own).collect();
     let points: Vec<(f64, f64)> = own.iter().map(|row| row.point()).collect();
@@ -365,9 +366,9 @@ fn first(
     Ok(Row { candidate, truth, metrics, normals: None, runs: Vec::new(), first })
 }
 
-/// The scene whose truth has the octaves alone that a candidate's turbulence has; `None` where those are all that are asked
-/// for. `Some(None)` if such a scene is impossible, as beside a sum of noise of all octaves.
-#[expect(clippy::option_option, reason = "none is needed, or none can be had")]
+/// The scene whose truth has the octaves alone that a candidate's turbulence has; `None` where those are all that are
+/// asked for. `Some(None)` if such a scene is impossible, as beside a sum of noise of all octaves.
+#[expect(clippy::option_option, reason = "not needed, or not possible")]
 fn own_octaves(library: &Library, candidate: &Candidate) -> Result<Option<Option<Scene>>, String> {
     let (scene, held) = (&candidate.scene, candidate.scene.octaves_held(library));
     let variant = hypertexture::render::variant::Variant::of(scene, library).map_err(|error| error.to_string())?;
@@ -380,7 +381,7 @@ fn own_octaves(library: &Library, candidate: &Candidate) -> Result<Option<Option
     Ok(Some((!files.iter().any(|file| file == "fractal_sum.glsl")).then_some(own)))
 }
 
-/// Times the candidates of a batch; whoever fails on the way is told and loses its runs.
+/// Times a batch; a candidate that fails is reported and its runs are dropped.
 fn time(
     batch: &mut [(usize, Row, Painter<'_>)],
     settings: &Settings,

@@ -18,12 +18,12 @@ use std::ops::Range;
 const TOLERANCES: [f64; 2] = [1e-7, 1e-4];
 /// Least score of a pixel, in parts of the mean or of the squared bound. Lower: pixels in which pictures agree are never compared.
 /// Higher: differences between pictures count less.
-const LEAST: f64 = 0.1;
+const MIN_SCORE: f64 = 0.1;
 /// Largest score for [`Metric::P999`], in squares of the bound: the distance beyond the bound does not count.
-const MOST: f64 = 4.0;
+const MAX_SCORE: f64 = 4.0;
 /// Least score of a pixel in parts of its squared difference from a neighbor: all drawings may miss the same edge. Lower overlooks
 /// edges; higher makes an edge of all fur.
-const EDGE: f64 = 0.03;
+const MIN_EDGE_SCORE: f64 = 0.03;
 /// Error of a finer picture in place of a reference, in parts of the bound.
 const FINER: f64 = 0.25;
 /// Least and most samples of the finer picture.
@@ -163,7 +163,7 @@ impl ReferenceSample {
         let channels = channels(bound.metric);
         let [width, height] = self.size.map(|side| side as usize);
         let allowed = bound.error.powi(2) * channels.len() as f64;
-        let most = if bound.metric == Metric::P999 { MOST * allowed } else { f64::MAX };
+        let most = if bound.metric == Metric::P999 { MAX_SCORE * allowed } else { f64::MAX };
         let apart =
             |a: [f32; 4], b: [f32; 4]| -> f64 { channels.clone().map(|c| f64::from(a[c] - b[c]).powi(2)).sum() };
         let columns = width.div_ceil(self.side);
@@ -175,10 +175,10 @@ impl ReferenceSample {
             let edge =
                 largest(beside.into_iter().chain(above).flatten().map(|other| apart(*pixel, frame.pixels[other])));
             let moved = apart(*pixel, other.pixels[at]);
-            scores[y / self.side * columns + x / self.side] += moved.max(EDGE * edge).min(most);
+            scores[y / self.side * columns + x / self.side] += moved.max(MIN_EDGE_SCORE * edge).min(most);
         }
         let mean = scores.iter().sum::<f64>() / scores.len() as f64;
-        let least = LEAST * mean.max(allowed);
+        let least = MIN_SCORE * mean.max(allowed);
         scores.into_iter().map(|score| score.max(least)).collect()
     }
 

@@ -182,7 +182,7 @@ mod tests {
 
     #[test]
     fn what_is_seen_nowhere_is_bounded_by_how_much_was_looked_at() {
-        // None of 1024 of 16 384 has it, and each may: 11.5 of those that were looked at might, and each stands for 16.
+        // With n zeros seen among N squares, the sum is at most (N / n) ln(1 / RISK): here N / n = 16.
         let mut sample = Sample::new(SQUARES, 1);
         let seen: Vec<(usize, f64)> =
             sample.raise(&vec![1.0; SQUARES], WANTED).into_iter().map(|square| (square, 0.0)).collect();

@@ -32,13 +32,13 @@ const PLATEAU_FROM: u32 = 128;
 const STRIDE: f64 = 1.25;
 /// Order of convergence that decides by how many samples to go on after a failure.
 const ORDER: f64 = 1.4;
-/// Where nothing fits, a whole picture is drawn of what is expected within this times the bound.
-const HOPE: f64 = 4.0;
+/// If no method fits, draws those whose estimate is below this multiple of the bound.
+const TRY_WITHIN: f64 = 4.0;
 /// Runs of a small picture that fits, of which the fastest counts, if one takes less than this many milliseconds.
 const RUNS: usize = 3;
 const AGAIN_MS: f64 = 50.0;
 /// Time after which no method is begun if one fits.
-const PATIENCE: Duration = Duration::from_secs(4);
+const MAX_TIME: Duration = Duration::from_secs(4);
 
 /// A small picture of a method.
 #[derive(Clone, Copy, Debug)]
@@ -163,7 +163,7 @@ impl<'a> Search<'a> {
     }
 
     pub(super) fn is_late(&self) -> bool {
-        self.began.elapsed() > PATIENCE
+        self.began.elapsed() > MAX_TIME
     }
 
     /// Candidates that were drawn, those of them that should keep the bound, and methods that were left out as it was late.
@@ -319,7 +319,7 @@ impl<'a> Search<'a> {
     /// Where nothing fits, the trial with the least expected error of those that were not drawn whole.
     fn nearest(&self) -> Option<(usize, Trial)> {
         let is_first = self.methods.iter().all(|method| method.whole.is_none());
-        let limit = if is_first { f64::INFINITY } else { HOPE * self.bound.error };
+        let limit = if is_first { f64::INFINITY } else { TRY_WITHIN * self.bound.error };
         let methods = self.methods.iter().enumerate().filter(|(_, method)| !method.has_failed);
         let last = methods.filter_map(|(index, method)| {
             let last = *method.trials.iter().max_by_key(|trial| trial.samples)?;

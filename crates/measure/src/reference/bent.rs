@@ -19,7 +19,7 @@ const DOUBLINGS: u32 = 4;
 /// Halvings of a step that locate an interface in f64: total reflection multiplies what is left at each.
 const HALVINGS: &str = "44";
 /// Quads that are evaluated together.
-const TOGETHER: usize = 16;
+const BATCH: usize = 16;
 
 /// The light of some pixels, and by how much twice the steps changed it.
 pub(super) fn reference(
@@ -86,7 +86,7 @@ impl<'a> Glass<'a> {
             inputs.blocks.clone_from(blocks);
             let bound = program.bind(&inputs)?;
             let mut all: Vec<(&[u32; 2], &mut [[f64; 4]; 4])> = quads.iter_mut().collect();
-            all.par_chunks_mut(TOGETHER).try_for_each(|quads| -> Result<(), ReferenceError> {
+            all.par_chunks_mut(BATCH).try_for_each(|quads| -> Result<(), ReferenceError> {
                 go_on(stop)?;
                 let place =
                     |quad: [u32; 2], k: u32| [2 * quad[0] + k % 2, 2 * quad[1] + k / 2].map(|c| f64::from(c) + 0.5);

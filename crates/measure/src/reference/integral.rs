@@ -4,9 +4,9 @@
 //! extinction e alone. Each piece of a ray has five samples: Simpson's rule over the whole and over its halves; their
 //! difference is its error, and pieces whose error shows are halved until it does not. A piece in which matter becomes
 //! opaque is halved until it is too short to be seen: that is where the surface is. A piece whose samples find nothing
-//! is left alone only where bounds of the extinction say that nothing in it can be seen.
-//! Invariants: colors of a piece are mixed with positive weights and an opacity in [0, 1], so stiff matter stays stable.
-//! The opacity that bounds leave undecided is stated beside the error estimated from samples, all of it: see [`proof`](super::proof).
+//! is left alone only where bounds of the extinction say that nothing in it can be seen. Invariants: colors of a piece
+//! are mixed with positive weights and an opacity in [0, 1], so stiff matter stays stable. The opacity that bounds
+//! leave undecided is stated beside the error estimated from samples, all of it: see [`proof`](super::proof).
 
 use super::transport::{Matter, Transport};
 
@@ -53,8 +53,8 @@ impl Piece {
         !self.looks_empty() && self.samples.iter().any(|matter| matter.extinction <= 0.0)
     }
 
-    /// The most light that comes through, by bounds or by samples: between two of these, matter is at least as thick as at the
-    /// thinner.
+    /// The most light that comes through, by bounds or by samples: between two of these, matter is at least as thick as
+    /// at the thinner.
     fn clear(&self) -> f64 {
         if self.is_hit() {
             return 0.0;
@@ -216,19 +216,18 @@ const DARK: f64 = 1e-8;
 /// Transmittance below which two rules may agree whatever is between their samples.
 const SATURATED: f64 = 1e-2;
 
-/// The rules of a piece agree by chance this many times better than those of the piece beside it. Less: twice the pieces
-/// where one would do. More: with noise finer than a piece, estimates are too small.
+/// The rules of a piece agree by chance this many times better than those of the piece beside it. Less: twice the
+/// pieces where one would do. More: with noise finer than a piece, estimates are too small.
 const BY_CHANCE: f64 = 4.0;
 
-/// The error of a ray in roots of the sum of the squared errors of its pieces. Less: estimates of noise with kinks are too
-/// small: with this one of a thousand pixels is off by 0.9 of its estimate. More: more pieces.
-const SPREAD: f64 = 3.0;
-/// The part of what is allowed of a ray's squared error that pieces which stay whole may have together, where others do
-/// not. More: more rounds of halving. Less: pieces are halved that need not be.
-const STAY: f64 = 0.5;
-/// A piece stays whole whose error is this many times less than that of a ray may be. More: a ray of thousands of pieces
-/// is halved without end.
-const SMALL: f64 = 16.0;
+/// Estimated error of a ray over the root of the sum of the squared errors of its pieces. Less: one of a thousand
+/// pixels of noise with kinks is off by more than 0.9 of its estimate. More: more pieces.
+const SUM_FACTOR: f64 = 3.0;
+/// Share of the allowed squared error that pieces which stay whole may have together. More: more rounds of halving.
+const KEPT_SHARE: f64 = 0.5;
+/// A piece stays whole if its error is below that of its ray over this. More: rays of thousands of pieces are halved
+/// endlessly.
+const KEEP_BELOW: f64 = 16.0;
 
 impl RayIntegral {
     /// A ray through nothing yet, and how many bounds it may ask for.
@@ -285,13 +284,13 @@ impl RayIntegral {
         self.pieces.truncate(seen);
         // The least wrong stay whole, as many as are right enough together; if all are, none is halved.
         wrong.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let allowed = (limits.error / SPREAD).powi(2);
+        let allowed = (limits.error / SUM_FACTOR).powi(2);
         let all: f64 = wrong.iter().map(|(error, _)| error * error).sum();
-        let (mut sum, allowed) = (0.0, if all <= allowed { allowed } else { STAY * allowed });
+        let (mut sum, allowed) = (0.0, if all <= allowed { allowed } else { KEPT_SHARE * allowed });
         let mut coarse: Vec<usize> = (wrong.iter())
             .skip_while(|(error, _)| {
                 sum += error * error;
-                sum <= allowed || *error < limits.error / SMALL
+                sum <= allowed || *error < limits.error / KEEP_BELOW
             })
             .map(|(_, index)| *index)
             .chain(asking.iter().copied())
@@ -306,8 +305,8 @@ impl RayIntegral {
         coarse
     }
 
-    /// How wrong a piece may be: its two rules may agree by chance, but hardly where those of the pieces beside it do not.
-    /// A piece that a surface was found in says nothing about others.
+    /// How wrong a piece may be: its two rules may agree by chance, but hardly where those of the pieces beside it do
+    /// not. A piece that a surface was found in says nothing about others.
     fn error(&self, index: usize, limits: &Limits) -> f64 {
         let beside = [index.checked_sub(1), Some(index + 1)].into_iter().flatten();
         let others = beside.filter_map(|other| self.pieces.get(other)).filter(|piece| piece.length > limits.shortest);
@@ -363,9 +362,10 @@ impl RayIntegral {
         self.pieces = halved;
     }
 
-    /// Light of the ray, and how wrong it may be as its samples say: [`SPREAD`] times the root of the sum of the squared errors
-    /// of its pieces, behind what hides them: they have no common sign, and each is that of the coarser rule, while the light is
-    /// by the finer one. Of a piece that was halved down to `shortest` because a surface is in it, nothing is left to be wrong.
+    /// Light of the ray, and how wrong it may be as its samples say: [`SUM_FACTOR`] times the root of the sum of the
+    /// squared errors of its pieces, behind what hides them: they have no common sign, and each is that of the coarser
+    /// rule, while the light is by the finer one. Of a piece that was halved down to `shortest` because a surface is in
+    /// it, nothing is left to be wrong.
     pub(super) fn light(&self, limits: &Limits) -> (Transport, f64) {
         let (mut whole, mut error) = (Transport::CLEAR, 0.0);
         for (index, piece) in self.pieces.iter().enumerate() {
@@ -374,7 +374,7 @@ impl RayIntegral {
             }
             whole = whole.then(piece.fine);
         }
-        (whole, SPREAD * error.sqrt())
+        (whole, SUM_FACTOR * error.sqrt())
     }
 }
 

@@ -12,7 +12,7 @@ const PARTS: u32 = 16;
 const NARROW: f64 = 1.0 / 1024.0;
 /// Parts that bounds leave open are not longer than this, in depths of the scene, when they are sampled. Longer: thin
 /// matter is overlooked, such as a drip that 512 samples of a device find.
-const LONGEST: f64 = 1.0 / 192.0;
+const MAX_OPEN_LENGTH: f64 = 1.0 / 192.0;
 
 /// After this many bounds of halves, halving must pay: of what was open two halvings ago, less than [`PAYS`] of the length
 /// still is. Fewer: thin matter far behind the first is given up. More: rays of which nothing can be proven take longer.
@@ -141,7 +141,7 @@ impl Probe {
         let [near, far] = self.cpu_inputs.depths;
         self.narrow(bounds, rays, NARROW * (far - near), stop)?;
         for ray in rays {
-            ray.parts = ray.parts.iter().flat_map(|part| part.cut(LONGEST * (far - near))).collect();
+            ray.parts = ray.parts.iter().flat_map(|part| part.cut(MAX_OPEN_LENGTH * (far - near))).collect();
         }
         Ok(())
     }

@@ -107,7 +107,7 @@ fn paper_scene(comparison: &Comparison, session: &Session<'_>, module: &str) -> 
 }
 
 /// Replays Table 3 with the strategies of the comparison, at the errors of its rows; `None` if it has none of them or is
-/// stopped. Quick: its first column alone. A cell that cannot be drawn is told.
+/// stopped. Quick: its first column alone. A cell that cannot be drawn is recorded in `failures`.
 pub fn table(
     session: Session<'_>,
     comparison: &Comparison,
@@ -149,7 +149,7 @@ fn hold(scene: &mut Scene, octaves: u32, library: &Library) {
 }
 
 /// The pictures of Fig. 8 that the library has modules for, close to the object, if the scene has turbulence at all. One
-/// that cannot be drawn is missing, and told.
+/// that cannot be drawn is recorded in `failures`.
 pub fn figure(session: Session<'_>, comparison: &Comparison, failures: &mut Vec<Failure>) -> Vec<Crop> {
     let mut crops = Vec::new();
     for (module, octaves, caption) in FIGURE_8 {

@@ -150,7 +150,7 @@ fn legend(strategies: &[&str], lines: &[Value], group: &Group) -> Vec<Value> {
     let marks = marks.into_iter().filter(has).map(|(text, round, filled)| mark(text, round, filled, false));
     let faint = lines.iter().any(|line| line["faint"] == true);
     let faint = faint.then(|| mark("other targets and blocks", false, false, true));
-    let front = (!group.front.is_empty()).then(|| json!({ "text": "front: nothing beats it", "front": true }));
+    let front = (!group.front.is_empty()).then(|| json!({ "text": "Pareto front", "front": true }));
     named.chain(marks).chain(faint).chain(front).collect()
 }
 

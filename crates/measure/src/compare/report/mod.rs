@@ -90,7 +90,8 @@ pub fn live_page(index: usize) -> String {
     format!("live/{index}")
 }
 
-/// Renders pictures of the fronts once more, those at their ends and some between; what cannot be drawn again is told.
+/// Renders pictures of the fronts once more, those at their ends and some between; one that cannot be drawn again is
+/// recorded in `failures`.
 pub fn pictures(session: Session<'_>, comparison: &Comparison, failures: &mut Vec<Failure>) -> Vec<(usize, Frame)> {
     let chosen = comparison.groups().into_iter().flat_map(|Group { truth, front, .. }| {
         let count = front.len().min(PICTURES[usize::from(!truth.is_own)]);
@@ -126,8 +127,8 @@ pub fn write(report: &Report, folder: &Path) -> Result<PathBuf, CompareError> {
     write_all(&files, folder)
 }
 
-/// Writes files into a folder, which is made if there is none, the page at last: when it is there, all of it is. Gives the
-/// path of the page, which is the first.
+/// Writes files into a folder, which is made if there is none, the page at last: when it is there, all of it is. Gives
+/// the path of the page, which is the first.
 fn write_all(files: &[(&str, String)], folder: &Path) -> Result<PathBuf, CompareError> {
     let io = |path: &Path| {
         let path = path.display().to_string();
