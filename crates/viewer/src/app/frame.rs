@@ -10,14 +10,14 @@ use std::time::{Duration, Instant};
 
 /// Time that the window waits for a preview while the scene moves, before it is drawn with the old picture reprojected: a
 /// CPU device draws both, one after the other.
-pub(super) const HOLD: Duration = Duration::from_millis(45);
+pub(super) const MAX_PREVIEW_WAIT: Duration = Duration::from_millis(45);
 
 impl App {
     /// Remaining time to wait for a preview before the window is drawn; `None` to draw it now.
-    pub(crate) fn hold(&mut self, now: Instant) -> Option<Duration> {
+    pub(crate) fn wait_for_preview(&mut self, now: Instant) -> Option<Duration> {
         let is_coming = self.jobs.on_screen < self.jobs.number && self.figures.stage == Stage::Coarse;
         let soon = self.figures.is_cpu && is_coming && self.jobs.submitted.as_ref().is_some_and(|job| job.moving);
-        let left = HOLD.saturating_sub(now.duration_since(*self.jobs.waiting_since.get_or_insert(now)));
+        let left = MAX_PREVIEW_WAIT.saturating_sub(now.duration_since(*self.jobs.waiting_since.get_or_insert(now)));
         if soon && !self.jobs.fresh && !left.is_zero() {
             return Some(left);
         }

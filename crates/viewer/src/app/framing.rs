@@ -2,10 +2,10 @@
 
 use super::state::App;
 use crate::load::Key;
-use crate::worker::Variant;
+use crate::worker::LoadedScene;
 use egui::{Pos2, Shape, Stroke, Ui};
 use glam::Vec3;
-use hypertexture::render::variant::Variant as Program;
+use hypertexture::render::variant::Variant;
 use hypertexture::render::{self, Subject, ViewPose};
 use hypertexture::scene::{Camera, Projection, Scene};
 use std::sync::Arc;
@@ -33,7 +33,7 @@ impl App {
         scene.image.size = self.pane();
         let library = self.document.model.shared_library().clone();
         let (_, subject) = self.loader.any(&Key::of(&scene, &library).ok()?)?;
-        let program = Program::of(&scene, &library).ok()?;
+        let program = Variant::of(&scene, &library).ok()?;
         Some(Framed { pose: ViewPose::of(&program, &subject), half: render::half_height(&program, &subject) })
     }
 
@@ -102,7 +102,7 @@ impl App {
     pub(super) fn show_selected(&self, ui: &Ui) {
         let scene = self.document.model.present();
         let Some(job) = self.jobs.submitted.as_ref().filter(|_| !scene.parts.is_empty()) else { return };
-        let (Some(pose), Some(Variant { subject, .. })) = (self.jobs.current_view, job.variants.first()) else {
+        let (Some(pose), Some(LoadedScene { subject, .. })) = (self.jobs.current_view, job.variants.first()) else {
             return;
         };
         let selected = self.document.selection.part();
@@ -185,7 +185,7 @@ mod tests {
             (scene.camera.projection, scene.camera.pan, scene.camera.zoom) = (projection, [0.3, -0.2], 1.3);
             let subject = Subject::load(&scene, &shipped(), &|_| ()).unwrap();
             let framed = |scene: &Scene| {
-                let program = Program::of(scene, &shipped()).unwrap();
+                let program = Variant::of(scene, &shipped()).unwrap();
                 Framed { pose: ViewPose::of(&program, &subject), half: render::half_height(&program, &subject) }
             };
             // The center, and a place beside it in the plane of the picture.

@@ -53,20 +53,17 @@ impl App {
         if let Some(to) = response.interact_pointer_pos().filter(|_| delta != Vec2::ZERO) {
             let along = own_axes(&transform)[axis];
             let turns = ui.input(|input| input.modifiers.shift);
-            let after = match turns {
-                true => {
-                    let eye = self.document.model.present().camera.turn() * along;
-                    Some(turned(transform, axis, turn_of(delta, eye)))
-                }
-                false => {
-                    let part = |at: Pos2| {
-                        let [x, y] = (2.0 * (at - self.place.min) / self.place.size()).into();
-                        let (from, ray) = pose.ray([x - 1.0, y - 1.0]);
-                        nearest_on_line(transform.at.into(), along, from, ray)
-                    };
-                    let moved = part(to).zip(part(to - delta)).map(|(to, from)| to - from);
-                    moved.filter(|moved| moved.abs() < 100.0 * length).map(|by| moved_along(transform, axis, by))
-                }
+            let after = if turns {
+                let eye = self.document.model.present().camera.turn() * along;
+                Some(turned(transform, axis, turn_of(delta, eye)))
+            } else {
+                let part = |at: Pos2| {
+                    let [x, y] = (2.0 * (at - self.place.min) / self.place.size()).into();
+                    let (from, ray) = pose.ray([x - 1.0, y - 1.0]);
+                    nearest_on_line(transform.at.into(), along, from, ray)
+                };
+                let moved = part(to).zip(part(to - delta)).map(|(to, from)| to - from);
+                moved.filter(|moved| moved.abs() < 100.0 * length).map(|by| moved_along(transform, axis, by))
             };
             self.objects.gizmo.last = (axis, turns);
             after.into_iter().for_each(|after| self.transform(part, after));
@@ -152,9 +149,12 @@ impl App {
                     None => self.light_at(|_| number),
                     Some(part) => {
                         let before = self.document.model.present().parts.get(&part).map(|part| part.transform);
-                        let after = before.map(|before| match turns {
-                            true => turned(before, axis, number.to_radians()),
-                            false => moved_along(before, axis, number),
+                        let after = before.map(|before| {
+                            if turns {
+                                turned(before, axis, number.to_radians())
+                            } else {
+                                moved_along(before, axis, number)
+                            }
                         });
                         after.into_iter().for_each(|after| self.transform(&part, after));
                     }

@@ -63,7 +63,7 @@ pub(super) fn agrees(app: &App) {
     for variant in app.jobs.submitted.iter().flat_map(|job| &job.variants) {
         let scene = variant.scene.moment().unwrap();
         assert!(scene.parts.keys().all(|name| variant.subject.parts.contains_key(name)), "{:?}", scene.parts.keys());
-        crate::worker::sight(variant).unwrap();
+        crate::worker::pose_of(variant).unwrap();
     }
 }
 

@@ -3,11 +3,11 @@
 use super::state::{App, Drag};
 use crate::input::keys;
 use crate::input::trackball::{drag_light, orbit, zoom_to};
-use crate::worker::Variant;
+use crate::worker::LoadedScene;
 use egui::{Color32, PointerButton, Pos2, Response, Stroke, Ui, Vec2};
 use glam::DVec3;
 use hypertexture::render;
-use hypertexture::render::variant::Variant as Program;
+use hypertexture::render::variant::Variant;
 
 /// Fraction of its speed that a gliding ball retains per second.
 const GLIDE: f64 = 0.2;
@@ -26,10 +26,12 @@ impl App {
         }
         if response.drag_started() {
             let modifiers = ui.input(|input| input.modifiers);
-            self.navigation.drag = match () {
-                () if !response.dragged_by(PointerButton::Primary) || modifiers.shift => Drag::Pan,
-                () if modifiers.command => Drag::Light,
-                () => Drag::Turn,
+            self.navigation.drag = if !response.dragged_by(PointerButton::Primary) || modifiers.shift {
+                Drag::Pan
+            } else if modifiers.command {
+                Drag::Light
+            } else {
+                Drag::Turn
             };
             if self.navigation.drag != Drag::Light {
                 self.turns();
@@ -52,9 +54,10 @@ impl App {
         }
         if response.clicked() {
             let at = response.interact_pointer_pos();
-            match self.inspector.is_open() {
-                true => self.inspect_clicked(at),
-                false => self.select_clicked(at),
+            if self.inspector.is_open() {
+                self.inspect_clicked(at);
+            } else {
+                self.select_clicked(at);
             }
         }
         if let Some(at) = response.hover_pos() {
@@ -124,8 +127,8 @@ impl App {
 
     /// Half the height of the view, object units.
     pub(super) fn half_height(&self) -> Option<f32> {
-        let Variant { scene, library, subject } = self.jobs.submitted.as_ref()?.variants.first()?;
-        let variant = Program::of(scene, library).ok()?;
+        let LoadedScene { scene, library, subject } = self.jobs.submitted.as_ref()?.variants.first()?;
+        let variant = Variant::of(scene, library).ok()?;
         Some(render::half_height(&variant, subject))
     }
 

@@ -3,7 +3,7 @@
 use super::gizmo::{own_turn, with_turn};
 use super::state::{App, Gizmo};
 use crate::background::Background;
-use crate::worker::Variant;
+use crate::worker::LoadedScene;
 use egui::{PointerButton, Pos2, Response, Ui, Vec2};
 use glam::{Quat, Vec3};
 use hypertexture::render::object_along;
@@ -19,7 +19,7 @@ impl App {
         let pixel = at.and_then(|at| self.pixel_at(at));
         let variant = self.jobs.submitted.as_ref().map(|job| job.variants[0].clone());
         if let (Some(pixel), Some(variant), false) = (pixel, variant, self.document.model.scene().parts.is_empty()) {
-            let Variant { scene, library, subject } = variant;
+            let LoadedScene { scene, library, subject } = variant;
             self.objects.clicked = Some(Background::start(&self.notify, move |task| {
                 let found = object_along(&library, &*scene, &subject, pixel, PLACES);
                 task.send(found.map_err(|error| log::info!("object of a click: {error}")).ok().flatten());
@@ -47,19 +47,19 @@ impl App {
     /// Starts or ends the placement of the selected object.
     pub(super) fn toggle_placement(&mut self) {
         self.objects.places ^= true;
-        match (self.objects.places, self.document.selection.part()) {
-            (true, Some(part)) if self.document.selection.is_locked(part) => {
+        if !self.objects.places {
+            self.objects.gizmo = Gizmo::default();
+            return self.note("placing ended");
+        }
+        match self.document.selection.part() {
+            Some(part) if self.document.selection.is_locked(part) => {
                 self.objects.places = false;
                 self.note(format!("{part} is locked: unlock it in Objects first"));
             }
-            (true, Some(part)) => self.note(format!(
+            Some(part) => self.note(format!(
                 "placing {part}: drag moves, on an axis along it, with Shift about it; right drag turns, the wheel sizes"
             )),
-            (true, None) => self.note("placing the light: drag moves it around the object, the wheel its distance"),
-            (false, _) => {
-                self.objects.gizmo = Gizmo::default();
-                self.note("placing ended");
-            }
+            None => self.note("placing the light: drag moves it around the object, the wheel its distance"),
         }
     }
 

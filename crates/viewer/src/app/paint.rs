@@ -2,7 +2,7 @@
 
 use super::state::App;
 use crate::document::painting::SEVERAL;
-use crate::worker::Variant;
+use crate::worker::LoadedScene;
 use egui::{Color32, PointerButton, Pos2, Response, Shape, Stroke, Ui};
 use glam::Vec3;
 use hypertexture::render::{Subject, ViewPose};
@@ -77,7 +77,7 @@ impl App {
         let (pose, job) = (self.jobs.current_view?, self.jobs.submitted.as_ref()?);
         let part = 2.0 * (at - self.place.min) / self.place.size();
         let (from, along) = pose.ray([part.x - 1.0, part.y - 1.0]);
-        let Variant { scene, library, subject } = job.variants.first()?;
+        let LoadedScene { scene, library, subject } = job.variants.first()?;
         let outer = scene.check(library).ok().and_then(|parameters| parameters.outer_iso());
         touched(subject, from, along, outer.unwrap_or(scene.object.outer_iso))
     }

@@ -1,11 +1,11 @@
 //! Commands of keys, panels and dropped files.
 
 use super::state::App;
-use crate::document::exports::Order;
+use crate::document::exports::ExportOrder;
 use crate::document::painting::SEVERAL;
 use crate::input::Command;
 use crate::panels::{Question, SIDES};
-use crate::worker::Variant;
+use crate::worker::LoadedScene;
 use egui::Ui;
 use hypertexture::scene::{self, Camera, Scene};
 use hypertexture::shader::slots::MAIN;
@@ -17,7 +17,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Time without a change of the scene before the search for the fastest settings starts.
-const CALM: Duration = Duration::from_millis(500);
+const PICK_DELAY: Duration = Duration::from_millis(500);
 
 impl App {
     /// Performs a command. One without an effect says why.
@@ -168,7 +168,7 @@ impl App {
             return self.document.exports.stop();
         }
         let (scene, path) = (self.timed(), self.free_name("turntable", "_####.png"));
-        self.document.exports.add(Order::turntable(scene, self.document.model.library().clone(), path));
+        self.document.exports.add(ExportOrder::turntable(scene, self.document.model.library().clone(), path));
     }
 
     /// Pins this variant, or ends the comparison.
@@ -298,23 +298,23 @@ impl App {
 
     /// Writes the picture of the current scene.
     pub(crate) fn screenshot(&mut self, path: PathBuf) {
-        self.document.exports.add(Order::picture(self.shown(), self.document.model.library().clone(), path));
+        self.document.exports.add(ExportOrder::picture(self.shown(), self.document.model.library().clone(), path));
     }
 
     /// Starts the search for the fastest settings within the error target, once the mouse is released.
     pub(super) fn pick(&mut self, ui: &Ui, now: Instant) {
         let Some(error) = self.search.pick else { return };
-        let rests = self.time.clock.is_some() || now.duration_since(self.jobs.changed) >= CALM;
+        let rests = self.time.clock.is_some() || now.duration_since(self.jobs.changed) >= PICK_DELAY;
         let is_free = !ui.input(|input| input.pointer.any_down()) && self.loader.progress().is_none();
         // A preview comes first: the search occupies the device.
         let is_ready = rests && is_free && self.is_current() && self.figures.picking.is_none();
         let (true, Some(worker), Some(job)) = (is_ready, &self.worker, &self.jobs.submitted) else {
-            return ui.ctx().request_repaint_after(CALM);
+            return ui.ctx().request_repaint_after(PICK_DELAY);
         };
         self.search.pick = None;
         match ErrorBound::new(Metric::Rmse, error) {
             Ok(bound) => {
-                worker.pick(Variant { scene: Arc::new(self.shown()), ..job.variants[0].clone() }, bound);
+                worker.pick(LoadedScene { scene: Arc::new(self.shown()), ..job.variants[0].clone() }, bound);
                 self.figures.picking = Some(0.0);
                 self.search.picked_for = Some(self.document.model.shared_scene().clone());
                 self.jobs.submitted = None; // the picture is gone on with afterwards

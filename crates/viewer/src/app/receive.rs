@@ -22,7 +22,7 @@ impl App {
                 Event::Picture(picture) => {
                     self.inspector.take(&picture.frames, picture.size, picture.stage);
                     self.screen.take(picture.images, picture.frames, picture.size);
-                    (self.jobs.shown_view, self.jobs.fresh) = (picture.sight, true);
+                    (self.jobs.shown_view, self.jobs.fresh) = (picture.pose, true);
                     let figures = &mut self.figures;
                     (figures.stage, figures.size, figures.samples) = (picture.stage, picture.size, picture.samples);
                     (figures.gpu_ms, figures.difference) = (picture.gpu_ms, picture.difference);
@@ -88,10 +88,12 @@ impl App {
         Status {
             frame_ms: (!recent.is_empty() && self.figures.gpu_ms > 0.0).then_some([self.figures.gpu_ms, spread]),
             error: error.map(|error| [error, standard_error.unwrap_or(error)]),
-            picture: match self.jobs.lacks_object {
-                true => self.standing_words(),
-                false if self.lesson.is_held() && self.figures.stage == Stage::Scene => "\u{1f4cc} as drawn".into(),
-                false => self.figures.words(self.max_error.unwrap_or(GOOD)),
+            picture: if self.jobs.lacks_object {
+                self.standing_words()
+            } else if self.lesson.is_held() && self.figures.stage == Stage::Scene {
+                "\u{1f4cc} as drawn".into()
+            } else {
+                self.figures.words(self.max_error.unwrap_or(GOOD))
             },
             detail: format!("{} x {} pixels, {samples} samples", size[0], size[1]),
             device: self.figures.device.clone(),

@@ -3,7 +3,7 @@
 use super::jobs::{Inputs, Standing};
 use super::state::{App, GOOD};
 use crate::load::SIDE;
-use crate::worker::{Job, Variant, is_same_scene, sight};
+use crate::worker::{Job, LoadedScene, is_same_scene, pose_of};
 use egui::Ui;
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
@@ -49,12 +49,12 @@ impl App {
             return;
         }
         let is_same = |job: &Job| {
-            let is_same = |a: &Variant, b: &Variant| is_same_scene(&a.scene, &b.scene) && a.has_same_program(b);
+            let is_same = |a: &LoadedScene, b: &LoadedScene| is_same_scene(&a.scene, &b.scene) && a.has_same_program(b);
             job.variants.len() == variants.len() && job.variants.iter().zip(&variants).all(|(a, b)| is_same(a, b))
         };
         let changed = !self.jobs.submitted.as_ref().is_some_and(is_same);
         if changed {
-            self.jobs.current_view = sight(&variants[0]).ok();
+            self.jobs.current_view = pose_of(&variants[0]).ok();
         }
         if changed && self.jobs.submitted.is_some() {
             self.jobs.changed = now;
@@ -100,7 +100,7 @@ impl App {
     }
 
     /// The scenes of the variants with their objects; fewer if an object is not loaded and has no stand-in.
-    fn variants(&mut self, inputs: Inputs) -> Vec<Variant> {
+    fn variants(&mut self, inputs: Inputs) -> Vec<LoadedScene> {
         let mut scenes = vec![(self.shown(), self.library.clone())];
         if let Some((kept, library)) = &self.comparison.pinned {
             scenes.push((Scene { camera: scenes[0].0.camera.clone(), ..Scene::clone(kept) }, library.clone()));
@@ -134,7 +134,7 @@ impl App {
                 other => other,
             };
             match subject {
-                Ok(Some(subject)) => variants.push(Variant { scene: Arc::new(scene), library, subject }),
+                Ok(Some(subject)) => variants.push(LoadedScene { scene: Arc::new(scene), library, subject }),
                 Ok(None) => {
                     lacks = true;
                     let (standing, variant) = self.stand_in(variants.len(), &scene, &library);
@@ -152,7 +152,7 @@ impl App {
     }
 
     /// Submits a job of these variants, unless it is the one that was submitted last.
-    fn show(&mut self, variants: Vec<Variant>, changed: bool, moving: bool) {
+    fn show(&mut self, variants: Vec<LoadedScene>, changed: bool, moving: bool) {
         let max_error = self.max_error.unwrap_or(GOOD);
         // Times are measured while nothing else uses the device.
         let (validity, held) = (self.validity, self.lesson.is_held() || self.lesson.is_measuring());
@@ -175,17 +175,17 @@ impl App {
 
     /// A stand-in for a variant whose object is not loaded: the same input with the field that there is, else the object
     /// that was shown before, seen by the camera of the scene.
-    fn stand_in(&mut self, index: usize, scene: &Scene, library: &Arc<Library>) -> (Standing, Option<Variant>) {
+    fn stand_in(&mut self, index: usize, scene: &Scene, library: &Arc<Library>) -> (Standing, Option<LoadedScene>) {
         if let Some((scene, subject)) = self.loader.stand_in(scene, library) {
             let (scene, library) = (Arc::new(scene), library.clone());
-            return (Standing::Coarser, Some(Variant { scene, library, subject }));
+            return (Standing::Coarser, Some(LoadedScene { scene, library, subject }));
         }
         let before = self.jobs.submitted.as_ref().and_then(|job| job.variants.get(index));
-        let before = before.and_then(|Variant { scene: own, library, subject }| {
+        let before = before.and_then(|LoadedScene { scene: own, library, subject }| {
             let mut held = Scene { camera: scene.camera.clone(), ..Scene::clone(own) };
             held.image.size = scene.image.size;
             let (library, subject) = (library.clone(), subject.clone());
-            held.check(&library).is_ok().then_some(Variant { scene: Arc::new(held), library, subject })
+            held.check(&library).is_ok().then_some(LoadedScene { scene: Arc::new(held), library, subject })
         });
         (if before.is_some() { Standing::Before } else { Standing::Nothing }, before)
     }
@@ -207,7 +207,7 @@ fn differs_in_camera_only(before: &Scene, now: &Scene) -> bool {
 #[cfg(test)]
 mod tests {
     use super::super::Start;
-    use super::super::frame::HOLD;
+    use super::super::frame::MAX_PREVIEW_WAIT;
     use super::*;
     use crate::worker::Stage;
     use hypertexture::gpu::Options;
@@ -229,15 +229,15 @@ mod tests {
         let (mut scene, library) = (preset("lit").unwrap(), Arc::new(shipped()));
         scene.object.input = "cube".into();
         let subject = Arc::new(Subject::load(&scene, &library, &|_| ()).unwrap());
-        let variants = vec![Variant { scene: Arc::new(scene), library, subject }];
+        let variants = vec![LoadedScene { scene: Arc::new(scene), library, subject }];
         let job =
             Job { number: 2, variants, moving: true, max_error: 1e-3, focus: [0.5; 2], held: false, validity: false };
         let now = Instant::now();
         (app.jobs.number, app.jobs.on_screen, app.jobs.submitted) = (2, 1, Some(job));
         (app.figures.stage, app.figures.is_cpu) = (Stage::Coarse, true);
-        assert_eq!(app.hold(now), Some(HOLD));
-        assert!(app.hold(now + HOLD / 2).is_some());
-        assert_eq!(app.hold(now + HOLD), None, "the old picture is moved");
+        assert_eq!(app.wait_for_preview(now), Some(MAX_PREVIEW_WAIT));
+        assert!(app.wait_for_preview(now + MAX_PREVIEW_WAIT / 2).is_some());
+        assert_eq!(app.wait_for_preview(now + MAX_PREVIEW_WAIT), None, "the old picture is moved");
         // Not where it is there, nor where the scene rests, nor on a device that draws both at once.
         let cases: [fn(&mut App); 4] = [
             |app| app.jobs.fresh = true,
@@ -248,14 +248,14 @@ mod tests {
         for change in cases {
             (app.jobs.fresh, app.jobs.on_screen, app.figures.is_cpu, app.jobs.waiting_since) = (false, 1, true, None);
             app.jobs.submitted.iter_mut().for_each(|job| job.moving = true);
-            assert!(app.hold(now).is_some());
+            assert!(app.wait_for_preview(now).is_some());
             change(&mut app);
-            assert_eq!(app.hold(now), None);
+            assert_eq!(app.wait_for_preview(now), None);
         }
     }
 
     #[test]
-    fn a_picture_of_what_was_there_is_none_of_a_scene_whose_object_is_being_loaded() {
+    fn loading_object_is_not_marked_final() {
         let mut app = app();
         assert!(!app.is_current());
         (app.jobs.number, app.jobs.on_screen, app.jobs.since) = (1, 1, 1);

@@ -56,8 +56,8 @@ impl Document {
         (!all.is_empty()).then(|| all.join("\n"))
     }
 
-    /// Opens a mesh, a scan or a scene file as the scene, or a module to edit; returns whether it is a module. If it cannot
-    /// be opened, [`Model::message`] says why.
+    /// Opens a mesh, a scan or a scene file as the scene, or a module to edit; returns whether it is a module. If it
+    /// cannot be opened, [`Model::message`] says why.
     pub(crate) fn open(&mut self, path: &Path) -> bool {
         if path.extension().is_none_or(|end| end != "glsl") {
             self.model.open(path);

@@ -1,7 +1,7 @@
 //! Histogram of the densities of an object, computed in the background.
 
 use crate::background::{Background, Notify};
-use crate::worker::{Job, Variant};
+use crate::worker::{Job, LoadedScene};
 use hypertexture::render::densities;
 use hypertexture::scene::{Camera, Light, Quality, Scene};
 use std::sync::Arc;
@@ -25,7 +25,7 @@ pub(crate) struct Densities {
 impl Densities {
     /// Starts the histogram of a job, unless it is known or another one is being computed.
     pub(crate) fn request(&mut self, job: &Job, notify: &Notify) {
-        let Variant { scene, library, subject } = &job.variants[0];
+        let LoadedScene { scene, library, subject } = &job.variants[0];
         if self.running.is_some() || self.asked.as_ref().is_some_and(|asked| Arc::ptr_eq(asked, scene)) {
             return;
         }

@@ -1,7 +1,7 @@
 //! Settings that the picture does not read, computed in the background once the scene rests.
 
 use crate::background::{Background, Notify};
-use crate::worker::{Job, Variant};
+use crate::worker::{Job, LoadedScene};
 use hypertexture::render::unused_settings;
 use hypertexture::scene::{Effect, Scene};
 use hypertexture::shader::shipped;
@@ -42,7 +42,7 @@ impl UnusedSettings {
 
     /// Starts the computation for a job, unless its result is cached; cancels the one for another job.
     pub(crate) fn request(&mut self, job: &Job, notify: &Notify) {
-        let Variant { scene, library, subject } = &job.variants[0];
+        let LoadedScene { scene, library, subject } = &job.variants[0];
         if self.asked.as_ref().is_some_and(|asked| Arc::ptr_eq(asked, scene)) {
             return;
         }
@@ -103,7 +103,7 @@ mod tests {
         let mut scene = preset(name).unwrap();
         scene.object.input = "cube".into();
         let subject = Arc::new(Subject::load(&scene, &library, &|_| ()).unwrap());
-        let variants = vec![Variant { scene: Arc::new(scene), library, subject }];
+        let variants = vec![LoadedScene { scene: Arc::new(scene), library, subject }];
         Job { number: 1, variants, moving: false, max_error: 1e-3, focus: [0.5; 2], held: false, validity: false }
     }
 

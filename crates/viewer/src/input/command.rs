@@ -3,8 +3,8 @@
 use crate::playback::Playback;
 use std::path::PathBuf;
 
-/// A command of the user: of a key, a menu, a control or a dropped file. One without a value switches a state on or off, or
-/// does what its key is described to do.
+/// A command of the user: of a key, a menu, a control or a dropped file. One without a value switches a state on or
+/// off, or does what its key is described to do.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
     /// Begins a new scene, after a question if this one is not saved.

@@ -148,8 +148,8 @@ pub(crate) const MOUSE: &[(&str, &str)] = &[
     ("drop a file", "show a mesh, a scan or a scene"),
 ];
 
-/// Whether a text field had the focus at the end of the last pass. egui takes the focus away at the beginning of a pass with
-/// Escape, which then still belongs to the field.
+/// Whether a text field had the focus at the end of the last pass. egui takes the focus away at the beginning of a pass
+/// with Escape, which then still belongs to the field.
 #[derive(Clone, Copy, Default)]
 struct Writing(bool);
 
@@ -169,8 +169,8 @@ pub(crate) fn stop_writing(ctx: &Context) {
     ctx.data_mut(|data| data.remove::<Writing>(Id::NULL));
 }
 
-/// Whether an event presses the key of a binding. Shift counts where another binding has it; it is needed for some signs and
-/// digits on some keyboards.
+/// Whether an event presses the key of a binding. Shift counts where another binding has it; it is needed for some
+/// signs and digits on some keyboards.
 fn hits(event: &Event, binding: &Binding) -> bool {
     let Event::Key { key, pressed: true, modifiers, .. } = event else { return false };
     let same = |own: &Binding| own.key == *key && own.modifiers.command == binding.modifiers.command;

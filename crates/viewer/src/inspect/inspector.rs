@@ -5,7 +5,7 @@ use super::worst::worst;
 use crate::background::Notify;
 use crate::screen::Frame;
 use crate::worker::Stage;
-use crate::worker::{Job, Variant};
+use crate::worker::{Job, LoadedScene};
 
 /// Number of most different pixels, and their minimal distance in pixels.
 const WORST: usize = 8;
@@ -87,7 +87,7 @@ impl Inspector {
             search.poll(&mut self.report);
         }
         let (Some(pixel), Some(job)) = (self.pixel, job) else { return };
-        let Variant { scene, library, subject } = &job.variants[0];
+        let LoadedScene { scene, library, subject } = &job.variants[0];
         let [width, height] = scene.image.size;
         // A smaller window has fewer pixels.
         let within = [pixel[0].min(width - 1), pixel[1].min(height - 1)];

@@ -2,7 +2,7 @@
 
 use crate::background::{Background, Notify};
 use crate::worker::is_same_scene;
-use hypertexture::render::variant::{Variant as Program, slot_of};
+use hypertexture::render::variant::{Variant, slot_of};
 use hypertexture::render::{Along, Subject, density_along};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
@@ -163,7 +163,7 @@ fn parts(scene: &Scene, library: &Library) -> Vec<(String, Scene)> {
 
 /// The modules that affect the density in the program of a scene, by slot.
 fn modules_of(scene: &Scene, library: &Library) -> Vec<[String; 2]> {
-    let Ok(program) = Program::of(scene, library) else { return Vec::new() };
+    let Ok(program) = Variant::of(scene, library) else { return Vec::new() };
     let slots: Vec<&str> =
         scene.effect.modules().iter().map(|(slot, _)| *slot).chain(["object", "dmf", "warp"]).collect();
     let filled = program.slots.iter().filter(|(key, names)| slots.contains(&slot_of(key)) && !names.is_empty());

@@ -6,7 +6,7 @@ use super::window::known;
 use crate::background::silent;
 use crate::screen::Frame;
 use crate::worker::Stage;
-use crate::worker::{Job, Variant};
+use crate::worker::{Job, LoadedScene};
 use egui::accesskit::{Action, ActionRequest};
 use egui::{Event, Rect, pos2, vec2};
 use egui_kittest::Harness;
@@ -29,7 +29,7 @@ fn job(change: impl FnOnce(&mut Scene)) -> Job {
     change(&mut scene);
     let library = Arc::new(shader::shipped());
     let subject = Arc::new(hypertexture::render::Subject::load(&scene, &library, &|_| ()).unwrap());
-    let variants = vec![Variant { scene: Arc::new(scene), library, subject }];
+    let variants = vec![LoadedScene { scene: Arc::new(scene), library, subject }];
     Job { number: 1, variants, moving: false, max_error: 1e-3, focus: [0.5; 2], held: false, validity: false }
 }
 

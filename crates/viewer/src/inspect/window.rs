@@ -79,10 +79,8 @@ impl Inspector {
         });
         match &self.report.exact {
             Some(Ok(Exact { error, open, .. })) => {
-                let overlooked = match *open <= UNSEEN {
-                    true => "complete".into(),
-                    false => format!("{open:.0e} of opacity unresolved"),
-                };
+                let overlooked =
+                    if *open <= UNSEEN { "complete".into() } else { format!("{open:.0e} of opacity unresolved") };
                 ui.label(RichText::new(format!("reference to ±{error:.0e}, {overlooked}")).weak());
             }
             Some(Err(reason)) => drop(ui.add(Label::new(RichText::new(reason).weak()).wrap())),

@@ -3,7 +3,7 @@
 use super::strategies::Strategies;
 use super::study::Study;
 use crate::background::Notify;
-use crate::worker::Variant;
+use crate::worker::LoadedScene;
 use egui::TextureHandle;
 use hypertexture::gpu::Gpu;
 use hypertexture::scene::{Jitter, Quality};
@@ -51,21 +51,17 @@ impl Lesson {
     }
 
     /// Holds the picture as drawn, or refines it again: changes `quality` accordingly.
-    pub(super) fn hold(&mut self, on: bool, quality: &mut Quality) {
-        match (on, self.held.take()) {
-            (true, held) => {
-                self.held = held.or_else(|| Some(quality.clone()));
-                (quality.supersampling, quality.msaa, quality.jitter) = (1, 1, Jitter::None);
-            }
-            (false, Some(held)) => {
-                (quality.supersampling, quality.msaa, quality.jitter) = (held.supersampling, held.msaa, held.jitter);
-            }
-            (false, None) => {}
+    pub(super) fn set_held(&mut self, on: bool, quality: &mut Quality) {
+        if on {
+            self.held.get_or_insert_with(|| quality.clone());
+            (quality.supersampling, quality.msaa, quality.jitter) = (1, 1, Jitter::None);
+        } else if let Some(held) = self.held.take() {
+            (quality.supersampling, quality.msaa, quality.jitter) = (held.supersampling, held.msaa, held.jitter);
         }
     }
 
     /// Measures the ways to get turbulence.
-    pub(super) fn measure(&mut self, variant: &Variant, notify: &Notify) {
+    pub(super) fn measure(&mut self, variant: &LoadedScene, notify: &Notify) {
         self.textures.clear();
         if let Some(gpu) = &self.gpu {
             self.strategies.start(gpu, variant, notify);
@@ -82,11 +78,11 @@ mod tests {
         let (mut lesson, mut quality) = (Lesson::default(), Quality { supersampling: 16, ..Quality::default() });
         quality.jitter = Jitter::Blue;
         let before = quality.clone();
-        lesson.hold(true, &mut quality);
+        lesson.set_held(true, &mut quality);
         assert!(lesson.is_held() && (quality.supersampling, quality.jitter) == (1, Jitter::None));
-        lesson.hold(true, &mut quality);
+        lesson.set_held(true, &mut quality);
         quality.samples = 7;
-        lesson.hold(false, &mut quality);
+        lesson.set_held(false, &mut quality);
         assert_eq!(quality, Quality { samples: 7, ..before });
         assert!(!lesson.is_held());
     }

@@ -1,7 +1,7 @@
 //! Four ways to get turbulence, each with its picture, its time and its error.
 
 use crate::background::{Background, Notify};
-use crate::worker::Variant;
+use crate::worker::LoadedScene;
 use hypertexture::gpu::Gpu;
 use hypertexture::render::{RenderError, Renderer};
 use hypertexture::scene::{Pass, Scene};
@@ -50,7 +50,7 @@ pub(super) struct Strategies {
 
 impl Strategies {
     /// Starts the measurement.
-    pub(super) fn start(&mut self, gpu: &Gpu, variant: &Variant, notify: &Notify) {
+    pub(super) fn start(&mut self, gpu: &Gpu, variant: &LoadedScene, notify: &Notify) {
         let (gpu, variant) = (gpu.clone(), variant.clone());
         self.found.clear();
         self.running = Some(Background::start(notify, move |task| {
@@ -75,11 +75,11 @@ impl Strategies {
 
 fn measured(
     gpu: &Gpu,
-    variant: &Variant,
+    variant: &LoadedScene,
     stop: &(dyn Fn() -> bool + Sync),
     progress: &dyn Fn(f32),
 ) -> Result<Vec<Result<Measured, String>>, String> {
-    let Variant { scene, library, subject } = variant;
+    let LoadedScene { scene, library, subject } = variant;
     let small = reduced(scene);
     let samples = Some(vec![small.quality.samples]);
     let strategies = Some(WAYS.map(|(way, _)| way.into()).to_vec());

@@ -1,7 +1,7 @@
 //! The ray of a pixel: its samples, and the density along it.
 
 use crate::background::{Background, Notify};
-use crate::worker::{Variant, is_same_scene};
+use crate::worker::{LoadedScene, is_same_scene};
 use hypertexture::render::{Along, density_along, samples_along};
 use hypertexture::scene::Scene;
 use std::sync::Arc;
@@ -50,7 +50,7 @@ pub(super) struct Study {
 
 impl Study {
     /// Receives a ray, and starts the search for that of another pixel or scene.
-    pub(super) fn follow(&mut self, pixel: [u32; 2], variant: &Variant, notify: &Notify) {
+    pub(super) fn follow(&mut self, pixel: [u32; 2], variant: &LoadedScene, notify: &Notify) {
         match self.running.as_ref().map(Background::poll) {
             Some(Poll::Pending) => return,
             Some(Poll::Ready(found)) => (self.running, self.found) = (None, found),
@@ -65,8 +65,8 @@ impl Study {
     }
 }
 
-fn ray(pixel: [u32; 2], variant: &Variant) -> Result<Ray, String> {
-    let Variant { scene, library, subject } = variant;
+fn ray(pixel: [u32; 2], variant: &LoadedScene) -> Result<Ray, String> {
+    let LoadedScene { scene, library, subject } = variant;
     let along = |scene: &Scene| density_along(library, scene, subject, pixel, PLACES);
     let mut plain = Scene::clone(scene);
     // Its soft region is as wide as the modules make it.
@@ -92,7 +92,8 @@ mod tests {
         (scene.quality.samples, scene.image.size) = (512, [101, 101]);
         (scene.effect.dmf, scene.effect.warp, scene.parameters) = Default::default();
         let subject = Arc::new(Subject::load(&scene, &shipped(), &|_| ()).unwrap());
-        let found = ray([50, 50], &Variant { scene: Arc::new(scene), library: Arc::new(shipped()), subject }).unwrap();
+        let found =
+            ray([50, 50], &LoadedScene { scene: Arc::new(scene), library: Arc::new(shipped()), subject }).unwrap();
         let steps: Vec<f64> = found.samples.windows(2).map(|pair| pair[1] - pair[0]).collect();
         assert!(steps.len() > 100 && steps.iter().all(|step| (step / steps[0] - 1.0).abs() < 1e-3), "{steps:?}");
         assert_eq!(found.density, found.soft, "nothing modulates it");

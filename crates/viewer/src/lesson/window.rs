@@ -8,11 +8,11 @@ use crate::background::Notify;
 use crate::document::model::Model;
 use crate::panels::widgets::{button, named};
 use crate::screen::encode_srgb;
-use crate::worker::{Job, Variant};
+use crate::worker::{Job, LoadedScene};
 use egui::{Color32, FontId, Label, Rect, RichText, Slider, SliderClamping, Stroke, TextStyle, TextureOptions};
 use egui::{Ui, Window, vec2};
 use hypertexture::noise::{Lattice, Period};
-use hypertexture::render::variant::Variant as Program;
+use hypertexture::render::variant::Variant;
 use hypertexture::scene::{ParameterValue, Pass};
 use hypertexture_measure::cases::{bias, gain};
 
@@ -51,7 +51,7 @@ impl Lesson {
             if self.is_held() {
                 // The picture is refined again, with the settings from before.
                 let mut quality = model.scene().quality.clone();
-                self.hold(false, &mut quality);
+                self.set_held(false, &mut quality);
                 model.edit("quality.samples", |scene| scene.quality = quality);
                 model.end_undo_group();
             }
@@ -99,7 +99,7 @@ impl Lesson {
         let doc = "The picture as it is drawn: single rays, without jitter, multisampling and refinement.";
         let response = ui.checkbox(&mut held, "as drawn").on_hover_text(doc);
         if named(ui, &response, "lesson.held").changed() {
-            self.hold(held, &mut quality);
+            self.set_held(held, &mut quality);
         }
         if quality != model.scene().quality {
             model.edit("quality.samples", |scene| scene.quality = quality);
@@ -144,15 +144,15 @@ impl Lesson {
             ui.add(Label::new(format!("modules: {modules}")).wrap());
         }
         ui.horizontal(|ui| {
-            for (module, curve) in [("biased", bias as fn(f64, f64) -> f64), ("gained", gain)] {
-                ui.vertical(|ui| shaping(ui, model, module, curve));
+            for shaping in [BIAS, GAIN] {
+                ui.vertical(|ui| shaping.show(ui, model));
             }
         });
     }
 
-    fn turbulence(&mut self, ui: &mut Ui, model: &mut Model, variant: Option<&Variant>, notify: &Notify) {
+    fn turbulence(&mut self, ui: &mut Ui, model: &mut Model, variant: Option<&LoadedScene>, notify: &Notify) {
         let reads =
-            variant.and_then(|of| Program::of(&of.scene, &of.library).ok()).is_some_and(|p| p.reads("turbulence"));
+            variant.and_then(|of| Variant::of(&of.scene, &of.library).ok()).is_some_and(|p| p.reads("turbulence"));
         let mut octaves = model.scene().effect.octaves;
         let response = ui.add(Slider::new(&mut octaves, 1..=8).text("octaves"));
         named(ui, &response, "lesson.octaves").on_hover_text("Terms of the sum: abs(noise) / frequency (MJ Eq. 4).");
@@ -274,22 +274,34 @@ fn from_the_side(ui: &mut Ui, ray: &Ray) {
     plot.label(["slices from the side, and the samples of the ray under the pointer", "eye", "fuller: denser"]);
 }
 
-/// The curve of a shaping function with its parameter in the scene, or a button that adds its module.
-fn shaping(ui: &mut Ui, model: &mut Model, module: &str, curve: fn(f64, f64) -> f64) {
-    let name = format!("density_{}", module.trim_end_matches("ed"));
-    let value = model.parameters(None).iter().find(|(parameter, _)| parameter.name == name);
-    let value =
-        value.and_then(|(_, value)| if let ParameterValue::Number(value) = value { Some(*value) } else { None });
-    let amount = value.unwrap_or(0.5);
-    let plot = Plot::new(ui, &format!("lesson.{module}"), [0.5 * WIDTH - 6.0, 110.0], 0.0..=1.0, 0.0..=1.0);
-    let places = || (0..=POINTS).map(|index| f64::from(index) / f64::from(POINTS));
-    plot.curve(places().map(|t| (t, t)), 1.0, ui.visuals().weak_text_color());
-    plot.curve(places().map(|t| (t, curve(amount.into(), t))), 2.0, ui.visuals().selection.bg_fill);
-    let title = format!("{} {amount:.2}: density after over before", module.trim_end_matches("ed"));
-    plot.label([&title, "0", "1"]);
-    let doc = "Add this module behind the others.";
-    if value.is_none() && button(ui, &format!("add {module}"), &format!("lesson.add {module}"), doc).clicked() {
-        model.edit("effect.dmf", |scene| scene.effect.dmf.push(module.into()));
+/// A shaping function: its module, its name, its parameter and its values.
+#[derive(Clone, Copy)]
+struct Shaping {
+    module: &'static str,
+    name: &'static str,
+    parameter: &'static str,
+    curve: fn(f64, f64) -> f64,
+}
+
+const BIAS: Shaping = Shaping { module: "biased", name: "bias", parameter: "density_bias", curve: bias };
+const GAIN: Shaping = Shaping { module: "gained", name: "gain", parameter: "density_gain", curve: gain };
+
+impl Shaping {
+    /// Shows the curve with the parameter in the scene, or a button that adds the module.
+    fn show(self, ui: &mut Ui, model: &mut Model) {
+        let Shaping { module, name, parameter, curve } = self;
+        let value = model.parameters(None).iter().find(|(own, _)| own.name == parameter).map(|(_, value)| value);
+        let value = value.and_then(|value| if let ParameterValue::Number(value) = value { Some(*value) } else { None });
+        let amount = value.unwrap_or(0.5);
+        let plot = Plot::new(ui, &format!("lesson.{module}"), [0.5 * WIDTH - 6.0, 110.0], 0.0..=1.0, 0.0..=1.0);
+        let places = || (0..=POINTS).map(|index| f64::from(index) / f64::from(POINTS));
+        plot.curve(places().map(|t| (t, t)), 1.0, ui.visuals().weak_text_color());
+        plot.curve(places().map(|t| (t, curve(amount.into(), t))), 2.0, ui.visuals().selection.bg_fill);
+        plot.label([&format!("{name} {amount:.2}: density after over before"), "0", "1"]);
+        let doc = "Add this module behind the others.";
+        if value.is_none() && button(ui, &format!("add {module}"), &format!("lesson.add {module}"), doc).clicked() {
+            model.edit("effect.dmf", |scene| scene.effect.dmf.push(module.into()));
+        }
     }
 }
 

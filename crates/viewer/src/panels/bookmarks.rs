@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 /// Size limit of the list, bytes.
 const MAX_LIST: u64 = 1 << 16;
 /// Maximal number of bookmarks.
-const MOST: usize = 32;
+const MAX_BOOKMARKS: usize = 32;
 
 /// Bookmarks of views.
 #[derive(Default)]
@@ -40,7 +40,7 @@ impl Bookmarks {
     /// Adds a bookmark of a camera.
     pub(super) fn add(&mut self, camera: &Camera) {
         let view = looking(&Camera::default(), camera);
-        if self.views.len() < MOST && !self.views.contains(&view) {
+        if self.views.len() < MAX_BOOKMARKS && !self.views.contains(&view) {
             self.views.push(view);
             self.write();
         }

@@ -58,17 +58,21 @@ impl Pass<'_> {
 }
 
 /// Fields that each object has.
-pub(super) struct Own<'a> {
+pub(super) struct ObjectFields<'a> {
     pub(super) effect: &'a mut Effect,
     pub(super) parameters: &'a mut BTreeMap<String, ParameterValue>,
     pub(super) transfer: &'a mut Transfer,
 }
 
 /// Fields of the main object, or of an additional one.
-pub(super) fn own<'a>(scene: &'a mut Scene, part: Option<&str>) -> Own<'a> {
+pub(super) fn object_fields<'a>(scene: &'a mut Scene, part: Option<&str>) -> ObjectFields<'a> {
     match part.and_then(|part| scene.parts.get_mut(part)) {
-        Some(part) => Own { effect: &mut part.effect, parameters: &mut part.parameters, transfer: &mut part.transfer },
-        None => Own { effect: &mut scene.effect, parameters: &mut scene.parameters, transfer: &mut scene.transfer },
+        Some(part) => {
+            ObjectFields { effect: &mut part.effect, parameters: &mut part.parameters, transfer: &mut part.transfer }
+        }
+        None => {
+            ObjectFields { effect: &mut scene.effect, parameters: &mut scene.parameters, transfer: &mut scene.transfer }
+        }
     }
 }
 

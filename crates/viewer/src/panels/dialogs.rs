@@ -132,7 +132,7 @@ impl Dialogs {
             return None;
         };
         let had_focus = std::mem::replace(&mut self.had_focus, true);
-        let ask = |ui: &mut Ui| answer(ui, &question, (model, at_stake), had_focus);
+        let ask = |ui: &mut Ui| answer(ui, &question, model, at_stake, had_focus);
         let shown = Modal::new(Id::new("question")).show(ui.ctx(), ask);
         let closes = shown.should_close();
         let answer = shown.inner.or(closes.then_some(Answer::No))?;
@@ -190,7 +190,8 @@ enum Answer {
 fn answer(
     ui: &mut Ui,
     question: &Question,
-    (model, at_stake): (&Model, Option<String>),
+    model: &Model,
+    at_stake: Option<String>,
     had_focus: bool,
 ) -> Option<Answer> {
     ui.set_max_width(420.0);

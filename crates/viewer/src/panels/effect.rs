@@ -1,6 +1,6 @@
 //! The modules of an effect.
 
-use super::context::{Pass, own, prefix};
+use super::context::{Pass, object_fields, prefix};
 use super::field_menu;
 use super::settings::{self, modules};
 use super::widgets::{Field, Touch, choice, field, is_narrow, named};
@@ -18,7 +18,7 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
         let name = format!("{prefix}effect.{slot}");
         let doc = schema::setting(&name).map_or("", |setting| setting.doc);
         field_menu::of_setting(ui, pass, &name, |ui, pass| {
-            let effect = own(&mut pass.draft, part).effect;
+            let effect = object_fields(&mut pass.draft, part).effect;
             let names = if slot == "dmf" { &mut effect.dmf } else { &mut effect.warp };
             stack(ui, &mut pass.touch, &field(&name, doc), names, slot, title, library);
         });
@@ -56,7 +56,7 @@ fn is_own(kind: Kind) -> bool {
 /// A medium for each layer of the DMFs; a single name if all are equal.
 fn media(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, doc: &str) {
     let (library, prefix, touch) = (pass.model.library(), prefix(part), &mut pass.touch);
-    let effect = own(&mut pass.draft, part).effect;
+    let effect = object_fields(&mut pass.draft, part).effect;
     let options = modules(library, "medium");
     let mut media: Vec<String> = effect.medium.split('+').map(String::from).collect();
     let layers = library.layers(&effect.dmf).unwrap_or(1).max(1);

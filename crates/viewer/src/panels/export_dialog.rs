@@ -2,7 +2,7 @@
 
 use super::status::Status;
 use super::widgets::{Field, button, field, fit, named, number, short, switch};
-use crate::document::exports::{BEHIND, Exports, GRID, Kind, Motion, Order, is_installed};
+use crate::document::exports::{BEHIND, ExportOrder, Exports, GRID, Kind, Motion, is_installed};
 use crate::document::model::Model;
 use egui::{DragValue, Id, TextEdit, Ui, Window};
 use hypertexture::scene::schema::Unit;
@@ -60,7 +60,7 @@ impl ExportDialog {
     }
 
     /// The order as described in the dialog.
-    fn order(&self, model: &Model, status: &Status) -> Order {
+    fn order(&self, model: &Model, status: &Status) -> ExportOrder {
         let mut scene = model.scene().clone();
         if !self.is_export() {
             scene.image.size = self.size.unwrap_or(scene.image.size);
@@ -77,7 +77,7 @@ impl ExportDialog {
         let motion = matches!(self.kind, Kind::Sequence | Kind::Video).then_some(Motion { turntable, ..self.motion });
         let path = PathBuf::from(self.path.trim());
         let (kind, max_error, grid) = (self.kind, self.max_error.filter(|_| !self.is_export()), self.grid);
-        Order { kind, motion, max_error, grid, ..Order::picture(scene, model.library().clone(), path) }
+        ExportOrder { kind, motion, max_error, grid, ..ExportOrder::picture(scene, model.library().clone(), path) }
     }
 
     /// Shows the dialog if it is open.
@@ -227,7 +227,7 @@ impl ExportDialog {
         number(ui, &mut None, &smooth, &mut self.supersampling, 1..=64);
     }
 
-    fn buttons(&self, ui: &mut Ui, exports: &mut Exports, order: Order) {
+    fn buttons(&self, ui: &mut Ui, exports: &mut Exports, order: ExportOrder) {
         let first = order.first();
         if let Some(progress) = exports.progress() {
             ui.horizontal(|ui| {

@@ -10,7 +10,7 @@ use hypertexture::scene::{is_movable, option_text, value_text};
 use toml::Value;
 
 /// Longest value that is pasted, bytes: more than a path.
-const LONGEST: usize = 8192;
+const MAX_PASTE: usize = 8192;
 
 /// A field of a scene and its values.
 pub(super) struct Of<'a> {
@@ -146,9 +146,9 @@ pub(super) fn take_pasted(ui: &Ui, pass: &mut Pass<'_>) {
     ui.data_mut(|data| data.remove::<String>(waiting()));
     match text.trim() {
         "" => pass.refused = Some(format!("{name}: the clipboard holds no text; copy a value first")),
-        text if text.len() > LONGEST => {
+        text if text.len() > MAX_PASTE => {
             let length = text.len();
-            pass.refused = Some(format!("{name}: the clipboard holds {length} bytes; a value has at most {LONGEST}"));
+            pass.refused = Some(format!("{name}: the clipboard holds {length} bytes; a value has at most {MAX_PASTE}"));
         }
         text => pass.set(&name, &text.lines().collect::<Vec<_>>().join(" ")),
     }

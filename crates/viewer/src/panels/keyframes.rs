@@ -36,6 +36,14 @@ pub(super) struct Keyframes {
     period: Option<f64>,
 }
 
+/// A row of the tracks: the name of its field.
+#[derive(Clone, Copy)]
+struct Row<'a> {
+    name: &'a str,
+    model: &'a Model,
+    axis: &'a Axis,
+}
+
 /// A change of a track.
 enum Change {
     Move(usize, f64),
@@ -116,7 +124,8 @@ impl Keyframes {
         // The height is that of the panel: a new track moves no control.
         ScrollArea::vertical().id_salt("tracks").auto_shrink([false, false]).show(ui, |ui| {
             for (name, track) in &tracks {
-                let made = ui.horizontal(|ui| self.track(ui, model, (name, track), axis, commands)).inner;
+                let row = Row { name, model, axis };
+                let made = ui.horizontal(|ui| self.track(ui, &row, track, commands)).inner;
                 change = change.take().or(made.map(|change| (name.clone(), change)));
             }
         });
@@ -131,15 +140,8 @@ impl Keyframes {
     }
 
     /// One track: its name, then its keyframes or its expression.
-    fn track(
-        &mut self,
-        ui: &mut Ui,
-        model: &Model,
-        (name, track): (&str, &Track),
-        axis: &Axis,
-        commands: &mut Vec<Command>,
-    ) -> Option<Change> {
-        let mut change = None;
+    fn track(&mut self, ui: &mut Ui, row: &Row<'_>, track: &Track, commands: &mut Vec<Command>) -> Option<Change> {
+        let (name, mut change) = (row.name, None);
         let buttons = 2.0 * (BUTTON + ui.spacing().item_spacing.x);
         let names = LEFT - buttons - ui.spacing().item_spacing.x;
         ui.allocate_ui(vec2(names, HEIGHT), |ui| {
@@ -162,29 +164,23 @@ impl Keyframes {
                 if button(ui, "\u{192}", &format!("{name}.express"), "Use an expression in time instead.").clicked() {
                     change = Some(Change::Express);
                 }
-                self.keys(ui, model, (name, list), axis, commands).or(change)
+                self.keys(ui, row, list, commands).or(change)
             }
         }
     }
 
-    fn keys(
-        &mut self,
-        ui: &mut Ui,
-        model: &Model,
-        (name, list): (&str, &[Key]),
-        axis: &Axis,
-        commands: &mut Vec<Command>,
-    ) -> Option<Change> {
+    fn keys(&mut self, ui: &mut Ui, row: &Row<'_>, list: &[Key], commands: &mut Vec<Command>) -> Option<Change> {
+        let Row { name, model, axis } = *row;
         let mut change = None;
         let (room, _) = ui.allocate_exact_size(vec2(ui.available_width().max(60.0), HEIGHT), Sense::hover());
         let lane = Rect::from_x_y_ranges(axis.span(HALF), room.y_range());
-        let row = ui.interact(lane, ui.id().with((name, "lane")), Sense::click());
+        let response = ui.interact(lane, ui.id().with((name, "lane")), Sense::click());
         let x = |time: f64| axis.x(time);
         let color = ui.visuals().weak_text_color();
         ui.painter().hline(lane.x_range(), lane.center().y, Stroke::new(1.0, color));
         ui.painter().vline(x(model.time()), lane.y_range(), Stroke::new(1.0, ui.visuals().selection.stroke.color));
-        named(ui, &row, &format!("{name} track"));
-        row.context_menu(|ui| {
+        named(ui, &response, &format!("{name} track"));
+        response.context_menu(|ui| {
             let paste = ui.add_enabled(self.copied.is_some(), Button::new("paste at this time"));
             if named(ui, &paste, "keyframe paste").clicked() {
                 change = Some(Change::Paste);

@@ -108,8 +108,8 @@ impl Panels {
         !self.hidden && self.keyframes.remove_selected(model)
     }
 
-    /// Shows the panels; the remaining area of `ui` is for the picture. Returns the commands for the window. Called once per
-    /// frame.
+    /// Shows the panels; the remaining area of `ui` is for the picture. Returns the commands for the window. Called
+    /// once per frame.
     pub fn show(&mut self, ui: &mut Ui, document: &mut Document, status: &Status) -> Vec<Command> {
         self.theme.apply(ui.ctx());
         ui.spacing_mut().item_spacing.y = 5.0;

@@ -1,8 +1,8 @@
 //! The panels around the picture.
 //!
-//! Role: a scene and the status of its picture -> controls. Their changes go into the [`Model`](crate::document::model::Model);
-//! commands to the window come back as [`Command`](crate::input::Command)s. Invariants: no window and no device; the accessible name of a control
-//! is the name of its field in a scene file.
+//! Role: a scene and the status of its picture -> controls. Their changes go into the
+//! [`Model`](crate::document::model::Model); commands to the window come back as [`Command`](crate::input::Command)s.
+//! Invariants: no window and no device; the accessible name of a control is the name of its field in a scene file.
 
 mod accuracy;
 mod axis;

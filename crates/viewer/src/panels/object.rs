@@ -198,9 +198,9 @@ fn formula(chain: &[(char, String)], scene: &Scene) -> Option<String> {
 
 /// The text of a chain.
 fn written(chain: &[(char, String)]) -> String {
-    chain.iter().fold(MAIN.to_string(), |before, (sign, name)| match before.contains(' ') {
-        true => format!("({before}) {sign} {name}"),
-        false => format!("{before} {sign} {name}"),
+    chain.iter().fold(MAIN.to_string(), |before, (sign, name)| {
+        let before = if before.contains(' ') { format!("({before})") } else { before };
+        format!("{before} {sign} {name}")
     })
 }
 

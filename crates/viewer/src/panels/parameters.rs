@@ -1,6 +1,6 @@
 //! Parameters of modules, as sliders and colors.
 
-use super::context::{Pass, own, prefix};
+use super::context::{Pass, object_fields, prefix};
 use super::field_menu::{Of, with_menu};
 use super::keyframes::diamond;
 use super::widgets::{self, Field, color, field, number, short};
@@ -60,7 +60,7 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
         };
         with_menu(ui, pass, &of, |ui, pass| drop(ui.horizontal(|ui| row(ui, pass))));
         if new != *value {
-            own(&mut pass.draft, part).parameters.insert(parameter.name.clone(), new);
+            object_fields(&mut pass.draft, part).parameters.insert(parameter.name.clone(), new);
         }
     }
 }

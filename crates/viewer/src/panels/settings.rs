@@ -85,13 +85,15 @@ fn control(ui: &mut Ui, pass: &mut Pass<'_>, prefix: &str, setting: &Setting, of
     if (pass.advanced || BASIC.contains(&setting.name)) && setting.name != MADE {
         let name = format!("{prefix}{}", setting.name);
         field_menu::of_setting(ui, pass, &name, |ui, pass| {
-            pass.dimmed(ui, &name, |ui, pass| match pass.keys && is_movable(&name) {
-                true => drop(ui.horizontal(|ui| {
+            pass.dimmed(ui, &name, |ui, pass| {
+                if !pass.keys || !is_movable(&name) {
+                    return rows(ui, pass, prefix, setting, offered);
+                }
+                ui.horizontal(|ui| {
                     let value = pass.value(&name);
                     keyframes::diamond(ui, pass, &name, value.as_ref());
                     ui.vertical(|ui| rows(ui, pass, prefix, setting, offered));
-                })),
-                false => rows(ui, pass, prefix, setting, offered),
+                });
             });
         });
     }
@@ -151,9 +153,10 @@ fn changed(
                     whole.to_string()
                 }
                 _ => {
-                    match range.is_all() {
-                        true => widgets::unbounded(ui, &mut touch, row, &mut now),
-                        false => number(ui, &mut touch, row, &mut now, low..=high),
+                    if range.is_all() {
+                        widgets::unbounded(ui, &mut touch, row, &mut now);
+                    } else {
+                        number(ui, &mut touch, row, &mut now, low..=high);
                     }
                     now.to_string()
                 }

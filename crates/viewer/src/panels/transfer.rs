@@ -2,7 +2,7 @@
 //!
 //! A click selects a stop, a drag moves it, a double click adds or removes one.
 
-use super::context::{Pass, own, prefix};
+use super::context::{Pass, object_fields, prefix};
 use super::field_menu;
 use super::settings;
 use super::widgets::{button, color, field, named, number, painted};
@@ -34,14 +34,14 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, selecte
     }
     settings::show(ui, pass, &prefix(part), "transfer.curve");
     pass.commands.push(Command::Densities);
-    let before = own(&mut pass.draft, part).transfer.clone();
+    let before = object_fields(&mut pass.draft, part).transfer.clone();
     field_menu::of_setting(ui, pass, &at("stops"), |ui, pass| {
-        let transfer = own(&mut pass.draft, part).transfer;
+        let transfer = object_fields(&mut pass.draft, part).transfer;
         curve(ui, transfer, pass.status.densities.as_deref().unwrap_or_default(), selected, &at("curve_editor"));
         bar(ui, transfer, selected, &at("bar"));
     });
     let touch = &mut pass.touch;
-    let transfer = own(&mut pass.draft, part).transfer;
+    let transfer = object_fields(&mut pass.draft, part).transfer;
     ui.horizontal_wrapped(|ui| {
         if button(ui, "add stop", &at("add"), "Add a stop after the selected one.").clicked() {
             let from = transfer.stops.get(*selected).map_or(0.0, |stop| stop.at);
@@ -125,15 +125,14 @@ fn stops(
     for index in 0..transfer.stops.len() {
         let (center, size, name) = shown(index, &transfer.stops[index]);
         let handle = handle(ui, center, size, &name);
-        match (handle.double_clicked(), handle.dragged().then(|| handle.interact_pointer_pos()).flatten()) {
-            (true, _) => removed = Some(index),
-            (_, Some(pos)) => {
-                let (at, density) = at(pos);
-                put(transfer, index, at, density);
-                *selected = index;
-            }
-            _ if handle.clicked() => *selected = index,
-            _ => {}
+        if handle.double_clicked() {
+            removed = Some(index);
+        } else if let Some(pos) = handle.interact_pointer_pos().filter(|_| handle.dragged()) {
+            let (at, density) = at(pos);
+            put(transfer, index, at, density);
+            *selected = index;
+        } else if handle.clicked() {
+            *selected = index;
         }
         paint(&transfer.stops[index], ring(ui, index == *selected || handle.hovered()));
     }

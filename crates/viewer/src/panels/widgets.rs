@@ -169,9 +169,10 @@ pub fn number<N: egui::emath::Numeric>(
         ui.spacing_mut().interact_size.x = VALUE;
         ui.add(slider)
     });
-    match is_changed(ui, &response) {
-        true => *touch = Some(field.name.clone()),
-        false => *value = before,
+    if is_changed(ui, &response) {
+        *touch = Some(field.name.clone());
+    } else {
+        *value = before;
     }
 }
 

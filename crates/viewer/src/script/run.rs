@@ -18,9 +18,9 @@ use std::time::{Duration, Instant};
 /// Size limit of a script, bytes.
 const MAX_BYTES: u64 = 1 << 20;
 /// Timeout of a step.
-const PATIENCE: Duration = Duration::from_secs(600);
+const STEP_TIMEOUT: Duration = Duration::from_secs(600);
 /// Interval between lines about a wait.
-const TELL: Duration = Duration::from_secs(10);
+const REPORT_INTERVAL: Duration = Duration::from_secs(10);
 /// Timeout for the last picture of an orbit.
 const LAST_ANSWER: Duration = Duration::from_secs(20);
 /// Interval between frames while a step waits for a picture.
@@ -104,15 +104,15 @@ impl Script {
             _ => steady,
         };
         if !done {
-            if self.is_told && self.told.elapsed() >= TELL {
+            if self.is_told && self.told.elapsed() >= REPORT_INTERVAL {
                 self.told = Instant::now();
                 // The standard error may be closed.
                 let _ = writeln!(io::stderr(), "view waits for {}", app.awaited());
             }
-            return match self.began.elapsed() > PATIENCE {
-                true => Err(fail(format!("{step:?} timed out after {} s", PATIENCE.as_secs()))),
-                false => Ok(None),
-            };
+            if self.began.elapsed() > STEP_TIMEOUT {
+                return Err(fail(format!("{step:?} timed out after {} s", STEP_TIMEOUT.as_secs())));
+            }
+            return Ok(None);
         }
         let event = match &step {
             Step::Do(event) => Some(event.clone()),

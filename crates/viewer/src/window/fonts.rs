@@ -11,7 +11,7 @@ use std::process::{Command, Stdio};
 use std::task::Poll;
 
 /// Limit for searched fonts: each takes a process, and texts in more scripts are rare.
-const MOST: usize = 16;
+const MAX_SEARCHES: usize = 16;
 
 /// Search for fallback fonts.
 pub(crate) struct Fallback {
@@ -54,7 +54,7 @@ impl Fallback {
         let has_glyph = |letter: char| context.fonts_mut(|fonts| fonts.has_glyph(&FontId::default(), letter));
         for letter in letters {
             self.known.insert(letter);
-            if self.asked < MOST && !has_glyph(letter) {
+            if self.asked < MAX_SEARCHES && !has_glyph(letter) {
                 self.asked += 1;
                 self.search =
                     Some((letter, Background::start(&self.notify, move |task| task.send(system_font(letter)))));

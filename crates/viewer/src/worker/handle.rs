@@ -1,6 +1,6 @@
 //! The window's handle of the render thread.
 
-use super::job::{Event, Job, Variant};
+use super::job::{Event, Job, LoadedScene};
 use super::render_thread::RenderThread;
 use super::shared::Shared;
 use crate::background::Notify;
@@ -48,7 +48,7 @@ impl Worker {
     }
 
     /// Searches for the fastest settings within an error, which interrupts the current picture.
-    pub(crate) fn pick(&self, variant: Variant, bound: ErrorBound) {
+    pub(crate) fn pick(&self, variant: LoadedScene, bound: ErrorBound) {
         self.shared.stop.store(false, Ordering::Relaxed);
         self.shared.newest.store(u64::MAX, Ordering::Relaxed);
         self.shared.inbox().search = Some((variant, bound));

@@ -10,15 +10,15 @@ use std::sync::Arc;
 
 /// A scene with its modules and its object.
 #[derive(Clone)]
-pub(crate) struct Variant {
+pub(crate) struct LoadedScene {
     pub(crate) scene: Arc<Scene>,
     pub(crate) library: Arc<Library>,
     pub(crate) subject: Arc<Subject>,
 }
 
-impl Variant {
+impl LoadedScene {
     /// Whether another variant has the same modules and object, with any groom.
-    pub(crate) fn has_same_program(&self, other: &Variant) -> bool {
+    pub(crate) fn has_same_program(&self, other: &LoadedScene) -> bool {
         let same = Arc::ptr_eq(&self.subject, &other.subject) || self.subject.is_same_object(&other.subject);
         same && Arc::ptr_eq(&self.library, &other.library)
     }
@@ -35,7 +35,7 @@ pub(crate) struct Job {
     /// Ascending number.
     pub(crate) number: u64,
     /// One variant, or two of equal size to compare.
-    pub(crate) variants: Vec<Variant>,
+    pub(crate) variants: Vec<LoadedScene>,
     /// Whether another job is expected soon.
     pub(crate) moving: bool,
     /// Error target.
@@ -64,7 +64,7 @@ pub(crate) struct Picture {
     pub(crate) size: [u32; 2],
     pub(crate) samples: u32,
     /// View of the picture.
-    pub(crate) sight: Option<ViewPose>,
+    pub(crate) pose: Option<ViewPose>,
     pub(crate) stage: Stage,
     /// Part of an unfinished picture that is drawn, 0 to 1.
     pub(crate) done: f32,

@@ -14,6 +14,6 @@ mod status;
 mod validity;
 
 pub(crate) use handle::Worker;
-pub(crate) use job::{Event, Job, Variant, is_same_scene};
-pub(crate) use renderers::sight;
+pub(crate) use job::{Event, Job, LoadedScene, is_same_scene};
+pub(crate) use renderers::pose_of;
 pub(crate) use status::{Cost, Figures, Stage};

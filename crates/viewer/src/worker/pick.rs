@@ -1,6 +1,6 @@
 //! The search for the fastest settings.
 
-use super::job::{Event, Variant};
+use super::job::{Event, LoadedScene};
 use super::render_thread::RenderThread;
 use crate::background::{cancel_if, catch_cancellation};
 use hypertexture::render::RenderError;
@@ -9,8 +9,8 @@ use hypertexture_measure::pick::{ErrorBound, PickError, pick};
 use std::sync::atomic::Ordering;
 
 impl RenderThread {
-    pub(super) fn pick(&self, variant: &Variant, bound: ErrorBound) -> Result<(), RenderError> {
-        let Variant { scene, library, subject } = variant;
+    pub(super) fn pick(&self, variant: &LoadedScene, bound: ErrorBound) -> Result<(), RenderError> {
+        let LoadedScene { scene, library, subject } = variant;
         if !self.admits(scene, library) {
             return Ok(());
         }

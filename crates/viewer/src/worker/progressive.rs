@@ -33,19 +33,19 @@ const OTHER: f64 = 0.3;
 /// Multiple of the budget after which a preview is aborted for a coarser one.
 pub(crate) const GIVEN_UP_AT: f64 = 2.0;
 /// Minimum of samples. Lower: slices become visible.
-const FEWEST_SAMPLES: u32 = 32;
+const MIN_SAMPLES: u32 = 32;
 /// Maximum of texels along a side of the noise blocks of previews. Higher: seconds to bake.
 pub(crate) const PREVIEW_BLOCK: u32 = 64;
 /// Minimum of rays along a side of the shadow volume of previews.
-const FEWEST_RAYS: u32 = 8;
+const MIN_RAYS: u32 = 8;
 /// Number of recent previews, whose median predicts the next one: a single pause of the machine changes no level.
 const RECENT: usize = 3;
 /// Pixels along a side of a refinement tile: the tile size of lavapipe's threads.
 const TILE: u32 = 64;
 /// Maximum of sub-frames in a mean: the limit of `quality.supersampling`.
-pub(crate) const MOST: u32 = 256;
+pub(crate) const MAX_SUB_FRAMES: u32 = 256;
 /// Minimum of sub-frames in a mean. Lower: noisier than the scene's own picture.
-pub(crate) const FEWEST: u32 = 4;
+pub(crate) const MIN_SUB_FRAMES: u32 = 4;
 
 /// Level of a preview.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,7 +60,7 @@ impl Level {
         coarse.image.size = scene.image.size.map(|own| (4 * own).div_ceil(side));
         coarse.light.shadow_resolution = self.rays(scene);
         let quality = &mut coarse.quality;
-        quality.samples = (quality.samples / samples).max(FEWEST_SAMPLES).min(quality.samples);
+        quality.samples = (quality.samples / samples).max(MIN_SAMPLES).min(quality.samples);
         (quality.msaa, quality.supersampling, coarse.camera.shutter) = (1, 1, 0.0);
         if !has_blocks && quality.block_size > PREVIEW_BLOCK {
             quality.block_size = PREVIEW_BLOCK;
@@ -73,7 +73,7 @@ impl Level {
     /// an image change between powers of two and others.
     fn rays(self, scene: &Scene) -> u32 {
         let (own, side) = (scene.light.shadow_resolution, LEVELS[self.0][0]);
-        let halves = (1..).map(|times| own >> times).take_while(|rays| *rays >= FEWEST_RAYS);
+        let halves = (1..).map(|times| own >> times).take_while(|rays| *rays >= MIN_RAYS);
         halves.take_while(|rays| rays * side >= 6 * own).last().unwrap_or(own)
     }
 
@@ -127,12 +127,11 @@ impl Budget {
         let other = other.clamp(0.0, OTHER * self.ms);
         let predicted = |level: usize| other + cost * Level(level).work(scene);
         let (now, last) = (self.level.0, LEVELS.len() - 1);
-        let to = match predicted(now) <= self.ms {
-            // The level stays unless a better one certainly fits.
-            true => (0..now).find(|&level| predicted(level) <= HEADROOM * self.ms).unwrap_or(now),
-            false => (now..=last).find(|&level| predicted(level) <= HEADROOM * self.ms).unwrap_or(last),
-        };
-        self.level = Level(to);
+        let fits = |level: &usize| predicted(*level) <= HEADROOM * self.ms;
+        // The level stays unless a better one certainly fits.
+        let is_kept = predicted(now) <= self.ms;
+        let next = if is_kept { (0..now).find(fits) } else { (now..=last).find(fits) };
+        self.level = Level(next.unwrap_or(if is_kept { now } else { last }));
     }
 
     /// Records that a preview was aborted.
@@ -162,7 +161,7 @@ pub(crate) fn tiles([width, height]: [u32; 2], focus: [f32; 2]) -> Vec<Area> {
 pub(crate) fn reference(scene: &Scene) -> Scene {
     let mut fine = scene.clone();
     let quality = &mut fine.quality;
-    (quality.supersampling, quality.msaa, quality.target) = (MOST, 1, TargetFormat::Float32);
+    (quality.supersampling, quality.msaa, quality.target) = (MAX_SUB_FRAMES, 1, TargetFormat::Float32);
     if quality.jitter == Jitter::None && scene.effect.ray_path == RayPath::Straight {
         quality.jitter = Jitter::Hash; // rays that bend have no phase
     }
@@ -171,7 +170,7 @@ pub(crate) fn reference(scene: &Scene) -> Scene {
 
 /// Index of sub-frame `count`: reversed bits, so that every power of two covers the pixel and the shutter evenly.
 pub(crate) fn number(count: u32) -> u32 {
-    count.reverse_bits() >> (u32::BITS - MOST.ilog2())
+    count.reverse_bits() >> (u32::BITS - MAX_SUB_FRAMES.ilog2())
 }
 
 #[cfg(test)]
@@ -181,12 +180,12 @@ mod tests {
 
     #[test]
     fn every_sub_frame_has_its_turn_and_powers_of_two_are_even() {
-        let all: BTreeSet<u32> = (0..MOST).map(number).collect();
-        assert_eq!(all.len(), MOST as usize);
+        let all: BTreeSet<u32> = (0..MAX_SUB_FRAMES).map(number).collect();
+        assert_eq!(all.len(), MAX_SUB_FRAMES as usize);
         for count in [2, 8, 64] {
             let mut first: Vec<u32> = (0..count).map(number).collect();
             first.sort_unstable();
-            assert!(first.windows(2).all(|pair| pair[1] - pair[0] == MOST / count), "{first:?}");
+            assert!(first.windows(2).all(|pair| pair[1] - pair[0] == MAX_SUB_FRAMES / count), "{first:?}");
         }
     }
 

@@ -1,15 +1,15 @@
 //! Refinement of a resting scene: its own picture tile by tile, then means of sub-frames.
 
 use super::background_renderer::BackgroundRenderer;
-use super::job::{Event, Job, Picture, Variant};
+use super::job::{Event, Job, LoadedScene, Picture};
 use super::mean::{Mean, resampled};
-use super::progressive::{FEWEST, MOST, number, reference, tiles};
+use super::progressive::{MAX_SUB_FRAMES, MIN_SUB_FRAMES, number, reference, tiles};
 use super::render_thread::{Accumulation, RenderThread};
 use super::renderers::{VariantRenderers, with_other_pass};
 use super::status::{Cost, Stage};
 use crate::background::{cancel_if, catch_cancellation};
 use hypertexture::gpu::Area;
-use hypertexture::render::variant::Variant as Program;
+use hypertexture::render::variant::Variant;
 use hypertexture::render::{Measurements, RenderError, Renderer, describe_frame, paste_areas, unused_overrides};
 use hypertexture::scene::{Scene, nearest_preset};
 use hypertexture::shader::shipped;
@@ -25,11 +25,11 @@ const TILES_MS: f64 = 100.0;
 const FIRST_TILES: usize = 4;
 const MORE_TILES: f64 = 2.0;
 /// Rest of the scene before a new program is compiled: meanwhile some devices draw nothing, not even the window.
-const CALM: Duration = Duration::from_millis(400);
+const COMPILE_DELAY: Duration = Duration::from_millis(400);
 /// Rest of the scene before its own picture is prepared: input may follow.
-const SHORT: Duration = Duration::from_millis(150);
+const PREPARE_DELAY: Duration = Duration::from_millis(150);
 /// Interval between checks for new work.
-const LOOK: Duration = Duration::from_millis(5);
+const POLL: Duration = Duration::from_millis(5);
 /// Number of timed previews of a pass, after the one that compiles.
 const TRIALS: usize = 3;
 /// Largest fraction of the time at which the other pass draws previews. Higher: within the noise of the times.
@@ -100,14 +100,14 @@ impl RenderThread {
         let mut shown = Instant::now();
         let shared = self.shared.clone();
         let (size, job_number) = (job.variants[0].scene.image.size, job.number);
-        while !job.held && accumulation.means[0].count < MOST && !is_converged(accumulation, job) {
+        while !job.held && accumulation.means[0].count < MAX_SUB_FRAMES && !is_converged(accumulation, job) {
             let mut pictures = Vec::new();
             let sub_frame = number(accumulation.means[0].count);
             accumulation.gpu_ms = 0.0;
             for (variant, renderers_of) in job.variants.iter().zip(&mut *renderers) {
                 let scene = reference(&variant.scene);
                 let stale = || shared.is_stale(job_number);
-                if !renderers_of.mean.is_ready(&scene) && !self.rests(job, CALM) {
+                if !renderers_of.mean.is_ready(&scene) && !self.rests(job, COMPILE_DELAY) {
                     return Ok(false);
                 }
                 let Some(renderer) = renderers_of.mean.prepared(&scene, &variant.subject.groom, &stale)? else {
@@ -122,11 +122,11 @@ impl RenderThread {
             for (mean, pixels) in accumulation.means.iter_mut().zip(&pictures) {
                 mean.add(pixels);
             }
-            if accumulation.means[0].count == 2 * FEWEST {
+            if accumulation.means[0].count == 2 * MIN_SUB_FRAMES {
                 self.judge(accumulation);
             }
-            let done = accumulation.means[0].count == MOST || is_converged(accumulation, job);
-            if !done && accumulation.means[0].count >= FEWEST && shown.elapsed() >= SHOW_EVERY {
+            let done = accumulation.means[0].count == MAX_SUB_FRAMES || is_converged(accumulation, job);
+            if !done && accumulation.means[0].count >= MIN_SUB_FRAMES && shown.elapsed() >= SHOW_EVERY {
                 self.send_mean(job, accumulation, false);
                 shown = Instant::now();
             }
@@ -137,18 +137,18 @@ impl RenderThread {
         Ok(true)
     }
 
-    /// Waits; returns whether the job is accumulation current.
+    /// Waits; returns whether the job is still the newest.
     fn rests(&self, job: &Job, calm: Duration) -> bool {
         let until = Instant::now() + calm;
         while !self.shared.is_stale(job.number) && Instant::now() < until {
-            std::thread::sleep(LOOK);
+            std::thread::sleep(POLL);
         }
         !self.shared.is_stale(job.number)
     }
 
     /// Reports fields without an effect, which takes a fraction of a second.
     fn send_ignored(&self, job: &Job) {
-        let Variant { scene, library, subject } = &job.variants[0];
+        let LoadedScene { scene, library, subject } = &job.variants[0];
         // Compiling a custom module takes a child process, which this is not worth.
         if scene.modules.is_empty() && **library == shipped() && !self.shared.is_stale(job.number) {
             (self.send)(Event::Ignored(unused_overrides(library, subject, &nearest_preset(scene), &**scene)));
@@ -167,7 +167,7 @@ impl RenderThread {
         let mut all = accumulation.partial.take().unwrap_or_else(|| accumulation.coarse.iter().map(enlarged).collect());
         let (mut gpu_ms, mut costs, mut shown) = (0.0, Vec::new(), Instant::now());
         for (index, variant) in job.variants.iter().enumerate() {
-            if !renderers[index].own.is_ready(&*variant.scene) && !self.rests(job, SHORT) {
+            if !renderers[index].own.is_ready(&*variant.scene) && !self.rests(job, PREPARE_DELAY) {
                 accumulation.partial = Some(all);
                 return Ok(false);
             }
@@ -193,7 +193,7 @@ impl RenderThread {
             gpu_ms += drawn.ms;
             costs.push(Cost { ms: drawn.ms, rmse: None });
             if let (0, Some(measurements)) = (index, &drawn.measurements) {
-                let program = Program::of(&variant.scene, &variant.library)?;
+                let program = Variant::of(&variant.scene, &variant.library)?;
                 (self.send)(Event::Made(describe_frame(measurements, &program, &variant.subject, &variant.library)));
             }
         }
@@ -254,14 +254,14 @@ impl RenderThread {
     fn time_passes(
         &self,
         job: &Job,
-        variant: &Variant,
+        variant: &LoadedScene,
         renderers_of: &mut VariantRenderers,
     ) -> Result<(), RenderError> {
-        let Variant { scene, library, subject } = variant;
+        let LoadedScene { scene, library, subject } = variant;
         let own = scene.quality.pass;
         let is_known = renderers_of.faster.is_some_and(|[_, of]| of == own);
         let Some(other) = with_other_pass(scene, library).filter(|_| !is_known) else { return Ok(()) };
-        if !self.rests(job, CALM) {
+        if !self.rests(job, COMPILE_DELAY) {
             return Ok(());
         }
         let level = self.budget.level();
@@ -338,6 +338,7 @@ fn bands([width, height]: [u32; 2]) -> Vec<Area> {
 
 /// Whether the means are within the error target, after at least two doublings.
 fn is_converged(accumulation: &Accumulation, job: &Job) -> bool {
-    let good = |mean: &Mean| mean.count >= 2 * FEWEST && mean.error().is_some_and(|error| error <= job.max_error);
+    let good =
+        |mean: &Mean| mean.count >= 2 * MIN_SUB_FRAMES && mean.error().is_some_and(|error| error <= job.max_error);
     accumulation.means.iter().all(good)
 }

@@ -1,9 +1,9 @@
 //! The loop of the render thread.
 
-use super::job::{Event, Job, Picture, Variant};
+use super::job::{Event, Job, LoadedScene, Picture};
 use super::mean::{Mean, resampled};
-use super::progressive::{Budget, FEWEST, Level};
-use super::renderers::{VariantRenderers, sight};
+use super::progressive::{Budget, Level, MIN_SUB_FRAMES};
+use super::renderers::{VariantRenderers, pose_of};
 use super::shared::Shared;
 use super::status::{Cost, Stage};
 use crate::document::author::Gate;
@@ -41,7 +41,7 @@ pub(super) struct RenderThread {
 #[derive(Default)]
 pub(super) struct Accumulation {
     pub(super) scenes: Vec<Arc<Scene>>,
-    pub(super) sights: Vec<ViewPose>,
+    pub(super) poses: Vec<ViewPose>,
     /// The first pictures and the level of the preview; `None` after a resize.
     pub(super) coarse: Vec<Vec<[f32; 4]>>,
     pub(super) size: [u32; 2],
@@ -61,14 +61,14 @@ pub(super) struct Accumulation {
 }
 
 impl Accumulation {
-    fn of(job: &Job, sights: Vec<ViewPose>, coarse: Vec<Vec<[f32; 4]>>, size: [u32; 2]) -> Accumulation {
+    fn of(job: &Job, poses: Vec<ViewPose>, coarse: Vec<Vec<[f32; 4]>>, size: [u32; 2]) -> Accumulation {
         let means = vec![Mean::default(); coarse.len()];
-        Accumulation { scenes: scenes(job), sights, coarse, size, means, ..Accumulation::default() }
+        Accumulation { scenes: scenes(job), poses, coarse, size, means, ..Accumulation::default() }
     }
 
     /// Whether a job differs in the size only.
     fn is_resized_by(&self, job: &Job) -> bool {
-        let same = |(own, variant): (&Arc<Scene>, &Variant)| {
+        let same = |(own, variant): (&Arc<Scene>, &LoadedScene)| {
             let mut resized = Scene::clone(own);
             resized.image.size = variant.scene.image.size;
             resized == *variant.scene
@@ -80,7 +80,9 @@ impl Accumulation {
     pub(super) fn best(&self) -> (Vec<Vec<[f32; 4]>>, [u32; 2]) {
         let size = self.scenes[0].image.size;
         match (&self.own, &self.partial) {
-            (Some(_), _) if self.means[0].count >= FEWEST => (self.means.iter().map(Mean::pixels).collect(), size),
+            (Some(_), _) if self.means[0].count >= MIN_SUB_FRAMES => {
+                (self.means.iter().map(Mean::pixels).collect(), size)
+            }
             (Some(pictures), _) | (None, Some(pictures)) => (pictures.clone(), size),
             (None, None) => (self.coarse.clone(), self.size),
         }
@@ -125,7 +127,7 @@ impl RenderThread {
         }
     }
 
-    /// Reports an error; returns whether the device is accumulation there.
+    /// Reports an error; returns whether the device is still there.
     fn survives(&self, done: Result<(), RenderError>) -> bool {
         let Err(error) = done else { return true };
         let lost = matches!(&error, RenderError::Gpu(error) if error.is_lost());
@@ -195,8 +197,8 @@ impl RenderThread {
 
     /// Draws a preview within the budget; `None` if the thread ends.
     fn preview(&mut self, job: &Job, renderers: &mut [VariantRenderers]) -> Result<Option<Accumulation>, RenderError> {
-        let sights: Result<Vec<ViewPose>, _> = job.variants.iter().map(sight).collect();
-        let sights = sights?;
+        let poses: Result<Vec<ViewPose>, _> = job.variants.iter().map(pose_of).collect();
+        let poses = poses?;
         let first = &job.variants[0].scene;
         self.shared.wait_until_shown();
         'level: loop {
@@ -223,7 +225,7 @@ impl RenderThread {
             let images = self.encoded(job, renderers)?;
             let (size, samples) = (frames[0].size, frames[0].measurements.slices);
             let coarse: Vec<Vec<[f32; 4]>> = frames.into_iter().map(|frame| frame.pixels).collect();
-            let mut accumulation = Accumulation::of(job, sights, coarse, size);
+            let mut accumulation = Accumulation::of(job, poses, coarse, size);
             (accumulation.level, accumulation.gpu_ms) = (Some(level), device);
             self.shared.reported.store(job.number, Ordering::Relaxed);
             let error = self.coarse_error.filter(|(_, of)| *of == level).map(|(error, _)| error);
@@ -251,15 +253,15 @@ impl RenderThread {
 
     /// Resamples the pictures of the previous window size.
     fn resized(&mut self, job: &Job, before: &Accumulation) -> Result<Accumulation, RenderError> {
-        let sights: Result<Vec<ViewPose>, _> = job.variants.iter().map(sight).collect();
-        let (sights, size) = (sights?, job.variants[0].scene.image.size);
+        let poses: Result<Vec<ViewPose>, _> = job.variants.iter().map(pose_of).collect();
+        let (poses, size) = (poses?, job.variants[0].scene.image.size);
         let (pictures, from) = before.best();
-        let all = pictures.iter().zip(before.sights.iter().zip(&sights)).map(|(pixels, (old, new))| {
+        let all = pictures.iter().zip(before.poses.iter().zip(&poses)).map(|(pixels, (old, new))| {
             let place =
                 |at: [f32; 2]| new.reproject(old, at.map(|part| 2.0 * part - 1.0)).map(|place| 0.5 + 0.5 * place);
             resampled(pixels, from, size, place, [0.0; 4])
         });
-        let accumulation = Accumulation::of(job, sights.clone(), all.collect(), size);
+        let accumulation = Accumulation::of(job, poses.clone(), all.collect(), size);
         self.send_picture(job, &accumulation, &accumulation.coarse, Picture::of(job, Stage::Partial, 0.0));
         Ok(accumulation)
     }
@@ -283,7 +285,7 @@ impl RenderThread {
         };
         picture.frames = frames.iter().map(|pixels| Arc::from(*pixels)).collect();
         picture.costs.clone_from(&accumulation.costs);
-        picture.sight = accumulation.sights.first().copied();
+        picture.pose = accumulation.poses.first().copied();
         (self.send)(Event::Picture(Box::new(picture)));
     }
 }

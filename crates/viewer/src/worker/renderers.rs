@@ -1,10 +1,10 @@
 //! Renderers of a variant.
 
 use super::background_renderer::BackgroundRenderer;
-use super::job::Variant;
+use super::job::LoadedScene;
 use super::progressive::{Level, PREVIEW_BLOCK};
 use hypertexture::gpu::Gpu;
-use hypertexture::render::variant::{Variant as Program, VariantError};
+use hypertexture::render::variant::{Variant, VariantError};
 use hypertexture::render::{Renderer, ViewPose};
 use hypertexture::scene::{Pass, Scene};
 use hypertexture::shader::Library;
@@ -26,7 +26,7 @@ pub(super) struct VariantRenderers {
 }
 
 impl VariantRenderers {
-    pub(super) fn new(gpu: &Gpu, variant: &Variant) -> VariantRenderers {
+    pub(super) fn new(gpu: &Gpu, variant: &LoadedScene) -> VariantRenderers {
         let renderer = || Renderer::new(gpu, &variant.library, &variant.subject);
         let mut own = renderer();
         own.set_cache_size(KEPT);
@@ -47,8 +47,8 @@ impl VariantRenderers {
 }
 
 /// View of a variant.
-pub(crate) fn sight(variant: &Variant) -> Result<ViewPose, VariantError> {
-    Ok(ViewPose::of(&Program::of(&variant.scene, &variant.library)?, &variant.subject))
+pub(crate) fn pose_of(variant: &LoadedScene) -> Result<ViewPose, VariantError> {
+    Ok(ViewPose::of(&Variant::of(&variant.scene, &variant.library)?, &variant.subject))
 }
 
 /// The scene with the other pass, if that is valid.

@@ -1,6 +1,6 @@
 //! State that the window and the render thread share.
 
-use super::job::{Job, Variant};
+use super::job::{Job, LoadedScene};
 use hypertexture_measure::pick::ErrorBound;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard};
@@ -8,9 +8,9 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 /// Longest wait for a preview to be shown: a hidden window shows none.
-const SHOWN: Duration = Duration::from_millis(40);
+const MAX_WAIT: Duration = Duration::from_millis(40);
 /// Interval between checks of this wait.
-const LOOK: Duration = Duration::from_micros(500);
+const POLL: Duration = Duration::from_micros(500);
 
 #[derive(Default)]
 pub(super) struct Shared {
@@ -30,7 +30,7 @@ pub(super) struct Shared {
 #[derive(Default)]
 pub(super) struct Inbox {
     pub(super) job: Option<Job>,
-    pub(super) search: Option<(Variant, ErrorBound)>,
+    pub(super) search: Option<(LoadedScene, ErrorBound)>,
 }
 
 impl Shared {
@@ -44,9 +44,9 @@ impl Shared {
 
     /// Waits until the window shows the last preview: on a CPU device, the next one would delay it.
     pub(super) fn wait_until_shown(&self) {
-        let until = Instant::now() + SHOWN;
+        let until = Instant::now() + MAX_WAIT;
         while self.shown.load(Ordering::Relaxed) < self.reported.load(Ordering::Relaxed) && Instant::now() < until {
-            thread::sleep(LOOK);
+            thread::sleep(POLL);
         }
     }
 

@@ -1,6 +1,6 @@
 //! Validity of the pixels on the screen.
 
-use super::job::{Event, Job, Picture, Variant};
+use super::job::{Event, Job, LoadedScene, Picture};
 use super::render_thread::RenderThread;
 use super::status::Stage;
 use crate::background::{cancel_if, catch_cancellation};
@@ -17,14 +17,16 @@ const GREY: [u8; 3] = [128; 3];
 impl RenderThread {
     /// Computes the validity of the scene's own pixels; `None` if the job is stale.
     pub(super) fn examine(&self, job: &Job, own: &[[f32; 4]]) -> Result<Option<Validity>, RenderError> {
-        let Variant { scene, library, subject } = &job.variants[0];
+        let LoadedScene { scene, library, subject } = &job.variants[0];
         let mut renderer = Renderer::new(&self.gpu, library, subject);
         let mut lost = None;
         let mut draw = |better: &Scene, modules: &Library| {
-            let drawn = match (better.object == scene.object, *modules == **library) {
-                (true, true) => self.pixels(job, better, &mut renderer),
-                (true, false) => self.pixels(job, better, &mut Renderer::new(&self.gpu, modules, subject)),
-                (false, _) => self.of_another_object(job, better),
+            let drawn = if better.object != scene.object {
+                self.of_another_object(job, better)
+            } else if *modules != **library {
+                self.pixels(job, better, &mut Renderer::new(&self.gpu, modules, subject))
+            } else {
+                self.pixels(job, better, &mut renderer)
             };
             match drawn {
                 Err(error) if matches!(&error, RenderError::Gpu(error) if error.is_lost()) => {

@@ -18,9 +18,9 @@ use std::time::{Duration, Instant, SystemTime};
 /// the inode.
 pub const WATCH: Duration = Duration::from_millis(250);
 /// Rest of a text before it is compiled. Lower: a process for each letter.
-const REST: Duration = Duration::from_millis(120);
+const DEBOUNCE: Duration = Duration::from_millis(120);
 /// Interval between polls of a running check.
-const ANSWER: Duration = Duration::from_millis(30);
+const POLL: Duration = Duration::from_millis(30);
 /// Number of failed looks after which a file is gone; a single one may fall between the two steps of a replacement.
 const GONE: u32 = 2;
 
@@ -129,7 +129,7 @@ impl Author {
         if let Some(other) = file.other.take() {
             if by_file {
                 self.text.clone_from(&other);
-                self.changed = Instant::now() - REST;
+                self.changed = Instant::now() - DEBOUNCE;
             }
             file.text = other;
         }
@@ -227,7 +227,7 @@ impl Author {
         self.leave(library);
         (self.slot, self.name, self.text, self.tried) = (slot.into(), name.into(), text, None);
         self.drafts.remove(&self.path());
-        (self.changed, self.is_wanted) = (Instant::now() - REST, false);
+        (self.changed, self.is_wanted) = (Instant::now() - DEBOUNCE, false);
         self.file = Some(self.watched(path));
         Ok(())
     }
@@ -280,7 +280,7 @@ impl Author {
         self.is_wanted &= self.state == State::Compiling;
         if self.is_untried() {
             self.state = State::Compiling; // what was said is of another text
-            if self.changed.elapsed() >= REST {
+            if self.changed.elapsed() >= DEBOUNCE {
                 self.submit(model);
             }
         }
@@ -323,7 +323,7 @@ impl Author {
     /// Time until the next poll that is needed without user input.
     pub fn wakes(&self) -> Option<Duration> {
         match self.state {
-            State::Compiling => Some(ANSWER),
+            State::Compiling => Some(POLL),
             _ => self.file.as_ref().map(|_| WATCH),
         }
     }
@@ -344,7 +344,7 @@ impl Author {
                     file.seen = now;
                     if self.text == file.text || self.text == text {
                         (self.text, file.other) = (text.clone(), None);
-                        self.changed = Instant::now() - REST;
+                        self.changed = Instant::now() - DEBOUNCE;
                         file.text = text;
                     } else {
                         file.other = Some(text);

@@ -1,7 +1,7 @@
 //! Final pictures, rendered by a child process so that the window stays responsive.
 //!
-//! Role: an [`Order`] -> the job [`JOB`], which does the work of `render`, then ffmpeg for a video. Invariants: a stopped order
-//! leaves whole files or none; the processes end with the [`Rendering`].
+//! Role: an [`ExportOrder`] -> the job [`JOB`], which does the work of `render`, then ffmpeg for a video. Invariants: a
+//! stopped order leaves whole files or none; the processes end with the [`Rendering`].
 
 use crate::background::{Background, silent};
 use crate::document::author::Gate;
@@ -113,7 +113,7 @@ impl Motion {
 
 /// A request for final pictures.
 #[derive(Clone)]
-pub(crate) struct Order {
+pub(crate) struct ExportOrder {
     /// The scene, with its size and samples.
     pub(crate) scene: Scene,
     /// Its modules.
@@ -129,16 +129,16 @@ pub(crate) struct Order {
     pub(crate) path: PathBuf,
 }
 
-impl Order {
+impl ExportOrder {
     /// The picture of a scene.
-    pub(crate) fn picture(scene: Scene, library: Library, path: PathBuf) -> Order {
-        Order { scene, library, kind: Kind::Picture, motion: None, max_error: None, grid: GRID, path }
+    pub(crate) fn picture(scene: Scene, library: Library, path: PathBuf) -> ExportOrder {
+        ExportOrder { scene, library, kind: Kind::Picture, motion: None, max_error: None, grid: GRID, path }
     }
 
     /// The pictures of a turntable.
-    pub(crate) fn turntable(scene: Scene, library: Library, path: PathBuf) -> Order {
+    pub(crate) fn turntable(scene: Scene, library: Library, path: PathBuf) -> ExportOrder {
         let motion = Some(Motion { restart: true, turntable: Some(true), ..Motion::default() });
-        Order { kind: Kind::Sequence, motion, ..Order::picture(scene, library, path) }
+        ExportOrder { kind: Kind::Sequence, motion, ..ExportOrder::picture(scene, library, path) }
     }
 
     /// Path of the pictures; those of a video are next to it.
@@ -240,7 +240,7 @@ pub(crate) fn is_installed(name: &str) -> bool {
 
 /// An order in progress.
 pub(crate) struct Rendering {
-    pub(crate) order: Order,
+    pub(crate) order: ExportOrder,
     answers: Background<RenderAnswer>,
     /// The stage, and the part of it that is done.
     pub(crate) at: Option<(String, f32)>,
@@ -249,7 +249,7 @@ pub(crate) struct Rendering {
 
 impl Rendering {
     /// Starts an order on the device of a gate.
-    pub(crate) fn start(gate: &Gate, order: Order) -> Rendering {
+    pub(crate) fn start(gate: &Gate, order: ExportOrder) -> Rendering {
         let (program, device, own) = (gate.program().to_path_buf(), gate.device(), order.clone());
         let answers = Background::start(&silent(), move |task| {
             let tell = |answer| task.send(answer);
@@ -281,7 +281,7 @@ impl Rendering {
                 Poll::Ready(None) => break Err("its thread has failed".into()),
             }
         };
-        let Order { scene, kind, motion, path, .. } = &self.order;
+        let ExportOrder { scene, kind, motion, path, .. } = &self.order;
         let ([width, height], path) = (scene.image.size, std::path::absolute(path).unwrap_or_else(|_| path.clone()));
         let count = motion.map_or(String::new(), |motion| format!("{} pictures of ", motion.frames));
         let background = if scene.image.background.is_some() { "its" } else { "a transparent" };
@@ -312,17 +312,17 @@ mod tests {
 
     #[test]
     fn an_order_is_what_a_person_would_type() {
-        let order = |path: &str| Order::picture(Scene::default(), shader::shipped(), path.into());
-        let picture = Order { max_error: Some(0.004), ..order("a.png") };
+        let order = |path: &str| ExportOrder::picture(Scene::default(), shader::shipped(), path.into());
+        let picture = ExportOrder { max_error: Some(0.004), ..order("a.png") };
         assert_eq!(picture.command()[4..], ["--output", "a.png", "--max-error", "0.004"]);
         assert_eq!(picture.first(), Path::new("a.png"));
-        let mesh = Order { kind: Kind::Mesh, ..order("a.ply") };
+        let mesh = ExportOrder { kind: Kind::Mesh, ..order("a.ply") };
         assert_eq!(mesh.command()[2..], ["mesh", "scene", "--output", "a.ply", "--grid", "128"]);
-        let page = |path: &str| Order { kind: Kind::Page, ..order(path) };
+        let page = |path: &str| ExportOrder { kind: Kind::Page, ..order(path) };
         assert_eq!(page("a.html").command()[2..], ["web", "scene", "--output", "a.html", "--single-file"]);
         assert_eq!(page("a").command()[2..], ["web", "scene", "--output", "a"]);
         assert_eq!((page("a.html").first(), page("a").first()), ("a.html".into(), "a/index.html".into()));
-        let video = Order {
+        let video = ExportOrder {
             kind: Kind::Video,
             motion: Some(Motion { turntable: Some(true), ..Motion::default() }),
             ..order("out/turn.mp4")

@@ -1,6 +1,6 @@
 //! The queue of final pictures.
 
-use super::order::{Order, Rendering};
+use super::order::{ExportOrder, Rendering};
 use crate::document::author::Gate;
 use crate::message::Message;
 use std::collections::{BTreeSet, VecDeque};
@@ -11,7 +11,7 @@ use std::sync::Arc;
 pub(crate) struct Exports {
     gate: Arc<Gate>,
     running: Option<Rendering>,
-    waiting: VecDeque<Order>,
+    waiting: VecDeque<ExportOrder>,
     outcome: Option<Message>,
     /// First files of all orders.
     own: BTreeSet<PathBuf>,
@@ -23,7 +23,7 @@ impl Exports {
     }
 
     /// Renders an order after the earlier ones.
-    pub(crate) fn add(&mut self, order: Order) {
+    pub(crate) fn add(&mut self, order: ExportOrder) {
         self.own.insert(order.first());
         self.waiting.push_back(order);
         self.outcome = None;

@@ -12,8 +12,8 @@ use std::sync::Arc;
 /// would restore a scene whose modules are gone.
 const HISTORY: usize = 256;
 
-/// The edited scene with its modules and its history. A scene or library that is shared is replaced, not changed, so that
-/// others see by its address whether it is still the same.
+/// The edited scene with its modules and its history. A scene or library that is shared is replaced, not changed, so
+/// that others see by its address whether it is still the same.
 pub struct Model {
     pub(super) scene: Arc<Scene>,
     pub(super) library: Arc<Library>,

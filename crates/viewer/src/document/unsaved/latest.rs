@@ -11,11 +11,11 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 /// Time from a change to the next version on disk. Higher: more is lost. Lower: a drag writes many versions.
-const PAUSE: Duration = Duration::from_secs(2);
+const DEBOUNCE: Duration = Duration::from_secs(2);
 /// Longest time without a version of a stroke that goes on.
 pub(super) const STROKE: Duration = Duration::from_secs(2);
 /// Longest wait for another thread that holds the work, when the program fails.
-const PATIENCE: Duration = Duration::from_secs(2);
+const MAX_LOCK_WAIT: Duration = Duration::from_secs(2);
 
 /// The newest unsaved work, shared with the thread that keeps it and with threads that exit the program.
 #[derive(Clone, Default)]
@@ -58,14 +58,14 @@ pub(super) fn hold<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A lock within [`PATIENCE`]: the thread that fails may hold it.
+/// A lock within [`MAX_LOCK_WAIT`]: the thread that fails may hold it.
 fn hold_soon<T>(mutex: &Mutex<T>) -> Option<MutexGuard<'_, T>> {
     let start = Instant::now();
     loop {
         match mutex.try_lock() {
             Ok(guard) => return Some(guard),
             Err(Held::Poisoned(guard)) => return Some(guard.into_inner()),
-            Err(Held::WouldBlock) if start.elapsed() > PATIENCE => return None,
+            Err(Held::WouldBlock) if start.elapsed() > MAX_LOCK_WAIT => return None,
             Err(Held::WouldBlock) => thread::sleep(Duration::from_millis(5)),
         }
     }
@@ -126,8 +126,8 @@ impl Latest {
                 continue;
             }
             let start = Instant::now();
-            while !noted.ends && start.elapsed() < PAUSE {
-                let left = PAUSE.saturating_sub(start.elapsed());
+            while !noted.ends && start.elapsed() < DEBOUNCE {
+                let left = DEBOUNCE.saturating_sub(start.elapsed());
                 noted = self.0.changed.wait_timeout(noted, left).unwrap_or_else(PoisonError::into_inner).0;
             }
             done = noted.number;

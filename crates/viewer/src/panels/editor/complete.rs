@@ -11,7 +11,7 @@ use std::ops::Range;
 /// Number of letters after which the list opens. Lower: it opens at every letter.
 const LETTERS: usize = 2;
 /// Length of the list.
-const MOST: usize = 8;
+const MAX_OFFERS: usize = 8;
 
 /// GLSL functions with their arguments.
 pub(super) const BUILTINS: [(&str, &str); 44] = [
@@ -136,7 +136,7 @@ impl Completion {
         }
         let words = words(text, library);
         let fits = |word: &Word| word.text.starts_with(start) && word.text != start;
-        let words = words.into_iter().filter(fits).take(MOST).collect();
+        let words = words.into_iter().filter(fits).take(MAX_OFFERS).collect();
         *self = Completion { words, range: begins..end, at: 0, asked };
     }
 

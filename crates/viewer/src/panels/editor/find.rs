@@ -36,12 +36,14 @@ impl Find {
         }
         let count = all.len();
         let changed = response.changed();
-        self.at = match (changed, next, previous) {
-            _ if count == 0 => 0,
-            (true, ..) => 0,
-            (_, true, _) => (self.at + 1) % count,
-            (_, _, true) => (self.at + count - 1) % count,
-            _ => self.at.min(count - 1),
+        self.at = if count == 0 || changed {
+            0
+        } else if next {
+            (self.at + 1) % count
+        } else if previous {
+            (self.at + count - 1) % count
+        } else {
+            self.at.min(count - 1)
         };
         if !self.text.is_empty() {
             ui.label(if count == 0 { "none".into() } else { format!("{} of {count}", self.at + 1) });

@@ -7,7 +7,7 @@ use crate::document::author::{Author, State};
 use crate::document::model::Model;
 use crate::panels::widgets::{button, named};
 use egui::{Key, Label, Modifiers, Panel, Popup, Rect, RichText, ScrollArea, Sense, TextEdit, Ui};
-use std::path::PathBuf;
+use std::path::Path;
 
 /// Height of the area for errors, points; constant, so that the text does not move.
 const VERDICT: f32 = 84.0;
@@ -112,11 +112,14 @@ fn files(ui: &mut Ui, author: &mut Author, model: &mut Model) {
         "Edit the module in an external editor: the picture follows the file. The folder names the slot, else the slot is dmf.",
     )
     .clicked();
-    let done = match (fork, save, follow) {
-        (true, ..) => author.fork(model.library(), field.trim()),
-        (_, true, _) => author.save(&PathBuf::from(field.trim())),
-        (.., true) => author.watch(model.library(), &PathBuf::from(field.trim())),
-        _ => Ok(()),
+    let done = if fork {
+        author.fork(model.library(), field.trim())
+    } else if save {
+        author.save(Path::new(field.trim()))
+    } else if follow {
+        author.watch(model.library(), Path::new(field.trim()))
+    } else {
+        Ok(())
     };
     if let Err(error) = done {
         model.say(error);

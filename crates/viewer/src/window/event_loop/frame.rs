@@ -67,7 +67,7 @@ impl EventHandler {
         }
         // egui reports a texture change once, even if the window is not drawn in this frame.
         state.textures.append(output.textures_delta);
-        let held = self.app.hold(Instant::now());
+        let held = self.app.wait_for_preview(Instant::now());
         let mut shown = Presented::Yes;
         if held.is_none() {
             let primitives = state.context.tessellate(output.shapes, output.pixels_per_point);
