@@ -165,7 +165,8 @@ impl App {
                 self.jobs.since = self.jobs.number;
             }
             let (number, focus) = (self.jobs.number, self.focus());
-            let job = Job { number, variants, moving, max_error, focus, held, validity };
+            let trace = self.document.painting.trace();
+            let job = Job { number, variants, moving, max_error, focus, held, validity, trace };
             if let Some(worker) = &self.worker {
                 worker.show(job.clone());
             }
@@ -230,8 +231,16 @@ mod tests {
         scene.object.input = "cube".into();
         let subject = Arc::new(Subject::load(&scene, &library, &|_| ()).unwrap());
         let variants = vec![LoadedScene { scene: Arc::new(scene), library, subject }];
-        let job =
-            Job { number: 2, variants, moving: true, max_error: 1e-3, focus: [0.5; 2], held: false, validity: false };
+        let job = Job {
+            number: 2,
+            variants,
+            moving: true,
+            max_error: 1e-3,
+            focus: [0.5; 2],
+            held: false,
+            validity: false,
+            trace: None,
+        };
         let now = Instant::now();
         (app.jobs.number, app.jobs.on_screen, app.jobs.submitted) = (2, 1, Some(job));
         (app.figures.stage, app.figures.is_cpu) = (Stage::Coarse, true);

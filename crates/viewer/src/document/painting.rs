@@ -38,8 +38,55 @@ pub struct Painting {
     stroke: Option<Stroke>,
     /// The latest object with its groom.
     latest: Option<(Arc<Subject>, Arc<Subject>)>,
+    /// The touches of the last stroke.
+    trace: Option<Arc<Trace>>,
     /// Number of changes of the groom.
     revision: u64,
+}
+
+/// A touch of the brush.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Touch {
+    at: Vec3,
+    radius: f32,
+    is_mirrored: bool,
+}
+
+impl Touch {
+    /// Centers of the touched places, and their radius, object units.
+    pub(crate) fn places(&self) -> impl Iterator<Item = (Vec3, f32)> + use<> {
+        let Touch { at, radius, is_mirrored } = *self;
+        let other = is_mirrored.then_some(Vec3::new(-at.x, at.y, at.z));
+        [Some(at), other].into_iter().flatten().map(move |at| (at, radius))
+    }
+}
+
+/// The touches of a stroke, and the names of the grooms before and after it.
+#[derive(Clone, Debug)]
+pub(crate) struct Trace {
+    before: Option<String>,
+    file: String,
+    touches: Vec<Touch>,
+}
+
+impl Trace {
+    /// Number of touches in a groom, by the name that a scene has for it; `None` for a groom that is not of this stroke.
+    fn count(&self, groom: Option<&str>) -> Option<usize> {
+        if groom == self.before.as_deref() {
+            return Some(0);
+        }
+        match groom?.strip_prefix(self.file.as_str())? {
+            "" => Some(self.touches.len()),
+            number => number.strip_prefix('#')?.parse().ok(),
+        }
+    }
+
+    /// The touches by which two grooms differ, by the names that scenes have for them; `None` if one is not of this
+    /// stroke.
+    pub(crate) fn between(&self, one: Option<&str>, other: Option<&str>) -> Option<&[Touch]> {
+        let (one, other) = (self.count(one)?, self.count(other)?);
+        self.touches.get(one.min(other)..one.max(other))
+    }
 }
 
 struct Stroke {
@@ -52,7 +99,7 @@ struct Stroke {
 impl Default for Painting {
     fn default() -> Painting {
         let brush = Brush { kind: BrushKind::default(), radius: 0.15, strength: 0.3, color: [1.0; 3], mirrored: false };
-        Painting { is_on: false, brush, kept: Vec::new(), stroke: None, latest: None, revision: 0 }
+        Painting { is_on: false, brush, kept: Vec::new(), stroke: None, latest: None, trace: None, revision: 0 }
     }
 }
 
@@ -106,6 +153,11 @@ impl Painting {
         self.revision
     }
 
+    /// The touches of the last stroke.
+    pub(crate) fn trace(&self) -> Option<Arc<Trace>> {
+        self.trace.clone()
+    }
+
     /// Whether a stroke is being painted.
     pub(crate) fn is_stroke(&self) -> bool {
         self.stroke.is_some()
@@ -126,6 +178,8 @@ impl Painting {
         let file = new_file().ok_or("there is no cache folder for the groom; set HYPERTEXTURE_CACHE")?;
         let file = file.display().to_string();
         self.stroke = Some(Stroke { groom, file: file.clone(), touches: 0, last: at });
+        let before = scene.groom.clone();
+        self.trace = Some(Arc::new(Trace { before, file: file.clone(), touches: Vec::new() }));
         self.touch(at, normal, Vec3::ZERO);
         Ok(file)
     }
@@ -145,11 +199,15 @@ impl Painting {
         self.brush.touch(Arc::make_mut(&mut stroke.groom), at, normal, motion);
         (stroke.last, stroke.touches) = (at, stroke.touches + 1);
         self.revision += 1;
+        if let Some(trace) = &mut self.trace {
+            let Brush { radius, mirrored, .. } = self.brush;
+            Arc::make_mut(trace).touches.push(Touch { at, radius, is_mirrored: mirrored });
+        }
     }
 
     /// Drops the stroke.
     pub(crate) fn cancel(&mut self) {
-        self.stroke = None;
+        (self.stroke, self.trace) = (None, None);
         self.revision += 1;
     }
 
@@ -200,4 +258,26 @@ fn sweep() {
 fn new_file() -> Option<PathBuf> {
     let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
     Some(folder()?.join(format!("{}.nrrd", now.as_nanos())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn grooms_of_a_stroke_differ_by_its_touches() {
+        let touch = |x: f32| Touch { at: Vec3::new(x, 0.0, 0.0), radius: 0.1, is_mirrored: false };
+        let touches: Vec<Touch> = [0.1, 0.2, 0.3].map(touch).into();
+        let trace = Trace { before: Some("a.nrrd".into()), file: "b.nrrd".into(), touches: touches.clone() };
+        let between = |one: &str, other: &str| trace.between(Some(one), Some(other)).map(<[Touch]>::to_vec);
+        assert_eq!(between("a.nrrd", "b.nrrd#2"), Some(touches[..2].to_vec()));
+        assert_eq!(between("b.nrrd#2", "b.nrrd"), Some(touches[2..].to_vec()));
+        assert_eq!(between("b.nrrd", "a.nrrd"), Some(touches.clone()), "undone");
+        assert_eq!(between("b.nrrd#3", "b.nrrd"), Some(Vec::new()));
+        assert_eq!(between("b.nrrd#4", "b.nrrd"), None);
+        assert_eq!(between("c.nrrd", "b.nrrd"), None);
+        assert_eq!(trace.between(None, Some("b.nrrd")), None);
+        let mirrored = Touch { is_mirrored: true, ..touch(0.5) };
+        assert_eq!(mirrored.places().map(|(at, _)| at.x).collect::<Vec<_>>(), [0.5, -0.5]);
+    }
 }

@@ -104,7 +104,16 @@ mod tests {
         scene.object.input = "cube".into();
         let subject = Arc::new(Subject::load(&scene, &library, &|_| ()).unwrap());
         let variants = vec![LoadedScene { scene: Arc::new(scene), library, subject }];
-        Job { number: 1, variants, moving: false, max_error: 1e-3, focus: [0.5; 2], held: false, validity: false }
+        Job {
+            number: 1,
+            variants,
+            moving: false,
+            max_error: 1e-3,
+            focus: [0.5; 2],
+            held: false,
+            validity: false,
+            trace: None,
+        }
     }
 
     fn wait(unused: &mut UnusedSettings, job: &Job) -> Vec<String> {

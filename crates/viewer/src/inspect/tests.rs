@@ -30,7 +30,16 @@ fn job(change: impl FnOnce(&mut Scene)) -> Job {
     let library = Arc::new(shader::shipped());
     let subject = Arc::new(hypertexture::render::Subject::load(&scene, &library, &|_| ()).unwrap());
     let variants = vec![LoadedScene { scene: Arc::new(scene), library, subject }];
-    Job { number: 1, variants, moving: false, max_error: 1e-3, focus: [0.5; 2], held: false, validity: false }
+    Job {
+        number: 1,
+        variants,
+        moving: false,
+        max_error: 1e-3,
+        focus: [0.5; 2],
+        held: false,
+        validity: false,
+        trace: None,
+    }
 }
 
 fn harness(job: Job) -> Harness<'static, (Inspector, Job)> {

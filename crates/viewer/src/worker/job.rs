@@ -1,6 +1,7 @@
 //! Jobs for the render thread, and its events.
 
 use super::status::{Cost, Stage};
+use crate::document::painting::Trace;
 use crate::screen::Encoded;
 use hypertexture::render::{Subject, ViewPose};
 use hypertexture::scene::Scene;
@@ -46,6 +47,8 @@ pub(crate) struct Job {
     pub(crate) held: bool,
     /// Whether to compute the validity of the finished picture; with one variant only.
     pub(crate) validity: bool,
+    /// The touches of the last stroke of the brush.
+    pub(crate) trace: Option<Arc<Trace>>,
 }
 
 /// A picture and its measurements.

@@ -9,8 +9,10 @@ mod progressive;
 mod refine;
 mod render_thread;
 mod renderers;
+mod repaint;
 mod shared;
 mod status;
+mod stroke_budget;
 mod validity;
 
 pub(crate) use handle::Worker;

@@ -27,7 +27,7 @@ const LEVELS: [[u32; 2]; 20] = [
     [96, 8],
 ];
 /// Largest predicted fraction of the budget for a better level. Nearer to 1: noise in the times changes the level.
-const HEADROOM: f64 = 0.7;
+pub(super) const HEADROOM: f64 = 0.7;
 /// Largest fraction of the budget for time outside of the device, which no level can save.
 const OTHER: f64 = 0.3;
 /// Multiple of the budget after which a preview is aborted for a coarser one.
@@ -36,10 +36,12 @@ pub(crate) const GIVEN_UP_AT: f64 = 2.0;
 const MIN_SAMPLES: u32 = 32;
 /// Maximum of texels along a side of the noise blocks of previews. Higher: seconds to bake.
 pub(crate) const PREVIEW_BLOCK: u32 = 64;
+/// Maximum of rays along a side of the shadow volume during a stroke, of which each touch draws it anew.
+const STROKE_RAYS: u32 = 16;
 /// Minimum of rays along a side of the shadow volume of previews.
 const MIN_RAYS: u32 = 8;
 /// Number of recent previews, whose median predicts the next one: a single pause of the machine changes no level.
-const RECENT: usize = 3;
+pub(super) const RECENT: usize = 3;
 /// Pixels along a side of a refinement tile: the tile size of lavapipe's threads.
 const TILE: u32 = 64;
 /// Maximum of sub-frames in a mean: the limit of `quality.supersampling`.
@@ -52,6 +54,21 @@ pub(crate) const MIN_SUB_FRAMES: u32 = 4;
 pub(crate) struct Level(usize);
 
 impl Level {
+    /// The coarsest level.
+    pub(super) const COARSEST: Level = Level(LEVELS.len() - 1);
+    /// A level for a device that is not known yet.
+    pub(super) const MIDDLE: Level = Level(8);
+
+    /// All levels, from the best.
+    pub(super) fn all() -> impl Iterator<Item = Level> {
+        (0..LEVELS.len()).map(Level)
+    }
+
+    /// Whether this is the level of the scene's own pixels and samples.
+    pub(super) fn is_finest(self) -> bool {
+        self.0 == 0
+    }
+
     /// The scene with fewer pixels and samples, a coarser shadow volume, and smaller noise blocks unless its own are
     /// baked.
     pub(crate) fn scene(self, scene: &Scene, has_blocks: bool) -> Scene {
@@ -77,13 +94,40 @@ impl Level {
         halves.take_while(|rays| rays * side >= 6 * own).last().unwrap_or(own)
     }
 
-    /// Number of samples, including those of shadows.
-    fn work(self, scene: &Scene) -> f64 {
-        let coarse = self.scene(scene, true);
-        let [width, height] = coarse.image.size.map(f64::from);
-        let rays = if scene.light.shadows { f64::from(coarse.light.shadow_resolution).powi(2) } else { 0.0 };
-        (width * height + rays) * f64::from(coarse.quality.samples)
+    /// The scene of a picture during a stroke, with few rays of shadows.
+    pub(super) fn stroke_scene(self, scene: &Scene, has_blocks: bool) -> Scene {
+        let mut coarse = self.scene(scene, has_blocks);
+        while coarse.light.shadow_resolution > STROKE_RAYS {
+            coarse.light.shadow_resolution /= 2;
+        }
+        coarse
     }
+
+    /// Number of samples, including those of shadows.
+    pub(super) fn work(self, scene: &Scene) -> f64 {
+        samples(&self.scene(scene, true), 1.0)
+    }
+
+    /// Number of samples during a stroke that changes a `share` of the picture.
+    pub(super) fn stroke_work(self, scene: &Scene, share: f64) -> f64 {
+        samples(&self.stroke_scene(scene, true), share)
+    }
+}
+
+/// Number of samples of a share of a picture, including those of its shadows.
+fn samples(scene: &Scene, share: f64) -> f64 {
+    let [width, height] = scene.image.size.map(f64::from);
+    let rays = if scene.light.shadows { f64::from(scene.light.shadow_resolution).powi(2) } else { 0.0 };
+    (share * width * height + rays) * f64::from(scene.quality.samples)
+}
+
+/// Medians of the costs of a sample and of the other times.
+pub(super) fn medians(recent: &[[f64; 2]]) -> [f64; 2] {
+    [0, 1].map(|of| {
+        let mut sorted: Vec<f64> = recent.iter().map(|own| own[of]).collect();
+        sorted.sort_by(f64::total_cmp);
+        sorted[sorted.len() / 2]
+    })
 }
 
 /// Time budget of previews, and their level.
@@ -119,11 +163,7 @@ impl Budget {
         if self.recent.len() > RECENT {
             self.recent.remove(0);
         }
-        let [cost, other] = [0, 1].map(|of| {
-            let mut sorted: Vec<f64> = self.recent.iter().map(|own| own[of]).collect();
-            sorted.sort_by(f64::total_cmp);
-            sorted[sorted.len() / 2]
-        });
+        let [cost, other] = medians(&self.recent);
         let other = other.clamp(0.0, OTHER * self.ms);
         let predicted = |level: usize| other + cost * Level(level).work(scene);
         let (now, last) = (self.level.0, LEVELS.len() - 1);

@@ -6,6 +6,7 @@ use super::progressive::{Budget, Level, MIN_SUB_FRAMES};
 use super::renderers::{VariantRenderers, pose_of};
 use super::shared::Shared;
 use super::status::{Cost, Stage};
+use super::stroke_budget::StrokeBudget;
 use crate::document::author::Gate;
 use crate::screen::{Encoded, behind, encode_srgb};
 use hypertexture::gpu::{Encoder, Gpu, Image};
@@ -31,6 +32,7 @@ pub(super) struct RenderThread {
     pub(super) shared: Arc<Shared>,
     pub(super) send: SendEvent,
     pub(super) budget: Budget,
+    pub(super) strokes: StrokeBudget,
     /// Measured error of the last preview, and its level.
     pub(super) coarse_error: Option<(f64, Level)>,
     /// Measured error of the scene's own picture.
@@ -61,7 +63,7 @@ pub(super) struct Accumulation {
 }
 
 impl Accumulation {
-    fn of(job: &Job, poses: Vec<ViewPose>, coarse: Vec<Vec<[f32; 4]>>, size: [u32; 2]) -> Accumulation {
+    pub(super) fn of(job: &Job, poses: Vec<ViewPose>, coarse: Vec<Vec<[f32; 4]>>, size: [u32; 2]) -> Accumulation {
         let means = vec![Mean::default(); coarse.len()];
         Accumulation { scenes: scenes(job), poses, coarse, size, means, ..Accumulation::default() }
     }
@@ -96,7 +98,8 @@ fn scenes(job: &Job) -> Vec<Arc<Scene>> {
 impl RenderThread {
     pub(super) fn new(gpu: Gpu, gate: Arc<Gate>, shared: Arc<Shared>, budget_ms: f64, send: SendEvent) -> RenderThread {
         let budget = Budget::new(budget_ms, gpu.info().cpu);
-        RenderThread { gpu, encoder: None, gate, shared, send, budget, coarse_error: None, own_error: None }
+        let strokes = StrokeBudget::new(budget_ms);
+        RenderThread { gpu, encoder: None, gate, shared, send, budget, strokes, coarse_error: None, own_error: None }
     }
 
     pub(super) fn run(mut self) {
@@ -171,8 +174,12 @@ impl RenderThread {
             if !job.variants.iter().all(|variant| self.admits(&variant.scene, &variant.library)) {
                 return Ok(());
             }
-            *accumulation = match before.filter(|before| before.is_resized_by(job)) {
-                Some(before) => Some(self.resized(job, &before)?),
+            *accumulation = match before {
+                Some(before) if before.is_resized_by(job) => Some(self.resized(job, &before)?),
+                Some(before) => match self.repainted(job, renderers, &before)? {
+                    None => self.preview(job, renderers)?,
+                    repainted => repainted,
+                },
                 None => self.preview(job, renderers)?,
             };
         }

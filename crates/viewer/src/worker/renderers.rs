@@ -35,8 +35,20 @@ impl VariantRenderers {
 
     /// The preview of a scene, by the faster pass.
     pub(super) fn preview(&self, scene: &Scene, level: Level) -> Scene {
-        let has_blocks = scene.quality.block_size <= PREVIEW_BLOCK || self.own.is_prepared(scene);
-        let mut preview = level.scene(scene, has_blocks);
+        self.by_faster_pass(scene, level.scene(scene, self.has_blocks(scene)))
+    }
+
+    /// The picture of a scene during a stroke, by the faster pass.
+    pub(super) fn stroke_preview(&self, scene: &Scene, level: Level) -> Scene {
+        self.by_faster_pass(scene, level.stroke_scene(scene, self.has_blocks(scene)))
+    }
+
+    /// Whether the noise blocks of a scene are small or baked.
+    fn has_blocks(&self, scene: &Scene) -> bool {
+        scene.quality.block_size <= PREVIEW_BLOCK || self.own.is_prepared(scene)
+    }
+
+    fn by_faster_pass(&self, scene: &Scene, mut preview: Scene) -> Scene {
         if let Some([faster, own]) = self.faster
             && own == scene.quality.pass
         {
