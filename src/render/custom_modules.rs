@@ -58,7 +58,7 @@ pub struct ModuleFault {
 /// # Errors
 /// The scene has no program, the program cannot be evaluated, a device would cut one of its loops, or a module computes with
 /// an undefined value.
-pub fn try_custom_modules(
+pub fn find_module_fault(
     library: &Library,
     scene: &impl Checkable,
     subject: &Subject,
@@ -84,7 +84,7 @@ pub(crate) fn with_module_cause(
 ) -> RenderError {
     let RenderError::NotFinite { count, x, y, .. } = &error else { return error };
     let own = own_modules(library, variant);
-    let cause = match try_custom_modules(library, variant, subject) {
+    let cause = match find_module_fault(library, variant, subject) {
         Err(error) => return error,
         _ if own.is_empty() => return error,
         Ok(Some(fault)) => format!("{fault}; {FINITE}"),

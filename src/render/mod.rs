@@ -21,7 +21,7 @@ mod volume;
 
 pub use camera::{ViewPose, half_height};
 pub use cells::{CellStats, LOOKED_UP, bounded, link as link_cells};
-pub use custom_modules::{FINITE, ModuleFault, try_custom_modules};
+pub use custom_modules::{FINITE, ModuleFault, find_module_fault};
 pub use density::{
     Along, PolygonizeError, Polygons, densities, density_along, object_along, polygonize, polygonize_with_looks,
     samples_along,

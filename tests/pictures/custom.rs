@@ -1,7 +1,7 @@
 //! Modules of a person that give no numbers or loop without end: each is named, with the values of its parameters.
 
 use crate::common::{subject, with_gpu};
-use hypertexture::render::{ModuleFault, RenderError, render, try_custom_modules};
+use hypertexture::render::{ModuleFault, RenderError, find_module_fault, render};
 use hypertexture::scene::{EmptySpace, ParameterValue, Pass, Scene, preset};
 use hypertexture::shader::{self, Library};
 
@@ -26,11 +26,11 @@ fn scene(dmfs: &[(&str, &str)]) -> (Scene, Library) {
 }
 
 fn fault(scene: &Scene, library: &Library) -> Option<ModuleFault> {
-    try_custom_modules(library, scene, &subject(scene, library)).unwrap_or_else(|error| panic!("{error}"))
+    find_module_fault(library, scene, &subject(scene, library)).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn refusal(scene: &Scene, library: &Library) -> String {
-    match try_custom_modules(library, scene, &subject(scene, library)) {
+    match find_module_fault(library, scene, &subject(scene, library)) {
         Err(error @ RenderError::Loop { .. }) => error.to_string(),
         other => panic!("{other:?}: {:?} by {:?}", scene.effect.dmf, scene.quality.pass),
     }

@@ -9,7 +9,7 @@ use clap::Args;
 use hypertexture::field::Progress;
 use hypertexture::gpu::{Gpu, Options};
 use hypertexture::output::{Depth, Provenance, encode_png};
-use hypertexture::render::{Frame, Subject, try_custom_modules};
+use hypertexture::render::{Frame, Subject, find_module_fault};
 use hypertexture::scene::{Scene, to_text};
 use hypertexture_measure::compare::candidates::{Candidate, Sweep, candidates};
 use hypertexture_measure::compare::report::{self, Environment, Report};
@@ -90,9 +90,9 @@ pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<
     let (variant, library) = super::checked(&scene)?;
     // Faults of the settings and of custom modules are reported before the work begins.
     candidates(&scene, &library, &settings.sweep)?;
-    super::try_modules(&variant, &library, Some(options))?;
+    super::try_in_sandbox(&variant, &library, Some(options))?;
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&variant, &library, progress))?;
-    let fault = try_custom_modules(&library, &variant, &subject)?;
+    let fault = find_module_fault(&library, &variant, &subject)?;
     let gpu = Gpu::new(options)?;
     settings.sweep.filters = gpu.info().filters_by_few_bits();
     let flag = stop_flag()?;

@@ -8,7 +8,7 @@ use hypertexture::field::Progress;
 use hypertexture::gpu::{Gpu, Options};
 use hypertexture::output::PROGRAM;
 use hypertexture::render::variant::Variant;
-use hypertexture::render::{Frame, RenderError, Renderer, Subject, describe_frame, try_custom_modules};
+use hypertexture::render::{Frame, RenderError, Renderer, Subject, describe_frame, find_module_fault};
 use hypertexture::scene::{EmptySpace, Pass, Scene};
 use hypertexture::shader::Library;
 use hypertexture::shader::slots::FOLDED;
@@ -43,9 +43,9 @@ pub struct Explain {
 pub(super) fn run(command: &Explain, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     let scene = command.arguments.scene(&command.input, &command.object)?;
     let (variant, library) = super::checked(&scene)?;
-    super::try_modules(&variant, &library, Some(options))?;
+    super::try_in_sandbox(&variant, &library, Some(options))?;
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&variant, &library, progress))?;
-    let fault = try_custom_modules(&library, &variant, &subject)?;
+    let fault = find_module_fault(&library, &variant, &subject)?;
     let gpu = Gpu::new(options)?;
     let explained = announced(quiet, "pictures", |progress| explain(&gpu, &library, &variant, &subject, progress))?;
     if command.json {

@@ -3,7 +3,7 @@
 use super::picture::{draw, smooth};
 use super::scene_arguments::{ObjectFlags, SceneArguments, SceneInput};
 use super::session::check_folder;
-use super::{absolute, say, try_modules, with_device, with_progress};
+use super::{absolute, say, try_in_sandbox, with_device, with_progress};
 use clap::Args;
 use hypertexture::gpu::Options;
 use hypertexture::output::{self, Depth, Provenance, encode_png};
@@ -75,7 +75,7 @@ fn load(
         smooth(&mut scene);
     }
     let (variant, library) = super::checked(&scene)?;
-    try_modules(&variant, &library, options)?;
+    try_in_sandbox(&variant, &library, options)?;
     loaded(command, &scene, (variant, library), quiet)
 }
 

@@ -51,5 +51,5 @@ pub use session::start;
 pub use terminal::say;
 
 use progress::{announced, with_progress};
-use session::{absolute, checked, try_modules, with_device};
+use session::{absolute, checked, try_in_sandbox, with_device};
 use terminal::{aside, complain, say_json, silent};

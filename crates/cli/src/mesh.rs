@@ -9,7 +9,7 @@ use clap::Args;
 use glam::Vec3;
 use hypertexture::output;
 use hypertexture::render::variant::Variant;
-use hypertexture::render::{PolygonizeError, Polygons, Subject, polygonize, polygonize_with_looks, try_custom_modules};
+use hypertexture::render::{PolygonizeError, Polygons, Subject, find_module_fault, polygonize, polygonize_with_looks};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
 use hypertexture::shape::{Body, MeshFormat};
@@ -105,13 +105,13 @@ pub(super) fn export(
     let scenes = command.times.scenes(scene, &command.output)?;
     let outputs = || scenes.iter().map(|(_, path)| ("--output", path.clone()));
     output::check_all(outputs(), files_read(&command.input, scene))?;
-    super::try_modules(&variant, &library, None)?;
+    super::try_in_sandbox(&variant, &library, None)?;
     if scene.camera.clip.is_some() {
         ::log::warn!("camera.clip cuts pictures; the mesh is whole");
     }
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&variant, &library, progress))?;
     output::check_all(outputs(), subject.all_others().cloned())?;
-    let fault = try_custom_modules(&library, &variant, &subject)?;
+    let fault = find_module_fault(&library, &variant, &subject)?;
     let mut object = FrameObject::of(&variant, &subject);
     for (scene, path) in &scenes {
         object.serve(&Variant::of(scene, &library)?, &library)?;

@@ -13,7 +13,7 @@ use hypertexture::output::sequence::{Sequence, manifest_path};
 use hypertexture::output::shard::Shard;
 use hypertexture::output::{self, PROGRAM};
 use hypertexture::render::variant::Variant;
-use hypertexture::render::{Renderer, Subject, check_depth, try_custom_modules, unused_overrides};
+use hypertexture::render::{Renderer, Subject, check_depth, find_module_fault, unused_overrides};
 use hypertexture::scene::{self, Pass, Scene};
 use hypertexture::shader::Library;
 use hypertexture_measure::compare::{Failure, Session};
@@ -212,12 +212,12 @@ pub(super) fn render(
     if let Some(sequence) = &sequence {
         sequence.scene(&moving, sequence.frames.last).check(&library)?;
     }
-    super::try_modules(&variant, &library, Some(options))?;
+    super::try_in_sandbox(&variant, &library, Some(options))?;
     let began = Instant::now();
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&variant, &library, progress))?;
     let loading_ms = began.elapsed().as_secs_f64() * 1e3;
     output::check_all(written, subject.all_others().cloned())?;
-    let fault = try_custom_modules(&library, &variant, &subject)?;
+    let fault = find_module_fault(&library, &variant, &subject)?;
     let asked = Asked { moving, variant, base, library, subject, bound, shard, sequence, began, loading_ms };
     let tell = match command.is_piped() && !command.predict {
         _ if quiet || command.json => silent,

@@ -56,8 +56,8 @@ pub(crate) fn checked(scene: &Scene) -> Result<(Variant, Library), Box<dyn Error
     }
 }
 
-/// Tries the user's modules of a scene in a child process before any other use; with `options`, on a device as well.
-pub(crate) fn try_modules(
+/// Tries custom modules in a child process before any other use; with `options`, on a device as well.
+pub(crate) fn try_in_sandbox(
     variant: &Variant,
     library: &Library,
     options: Option<&Options>,

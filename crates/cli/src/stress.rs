@@ -84,7 +84,7 @@ pub(super) fn conclude(report: &Report, gpu: &Gpu, quiet: bool) -> Result<(), Bo
 fn scene(command: &Stress, input: &str, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     let scene = command.arguments.scene(input, &command.object)?;
     let (variant, library) = super::checked(&scene)?;
-    super::try_modules(&variant, &library, Some(options))?;
+    super::try_in_sandbox(&variant, &library, Some(options))?;
     let gpu = Gpu::new(options)?;
     let found = announced(quiet, "sweep", |progress| sweep::sweep(&gpu, &library, &scene, progress))?;
     if !quiet {

@@ -9,7 +9,7 @@ use clap::Args;
 use hypertexture::field::Progress;
 use hypertexture::gpu::{Gpu, Options};
 use hypertexture::output::{self, PROGRAM};
-use hypertexture::render::{Subject, eye_inside, render, try_custom_modules};
+use hypertexture::render::{Subject, eye_inside, find_module_fault, render};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
 use hypertexture_measure::cases::{self, Suite};
@@ -77,11 +77,11 @@ fn picture(image: &Path, command: &Verify, options: &Options, quiet: bool) -> Re
     let reach = reach(command.outside);
     let scene = provenance.scene(image, reach)?;
     let (variant, library) = super::checked(&scene).map_err(|error| format!("{}: {error}", image.display()))?;
-    super::try_modules(&variant, &library, Some(options))?;
+    super::try_in_sandbox(&variant, &library, Some(options))?;
     // Picture and reference may share a fault of a module.
     let module = match own_files(&variant, &library)?.is_empty() {
         true => None,
-        false => try_custom_modules(&library, &variant, &Subject::load(&variant, &library, &|_| ())?)?,
+        false => find_module_fault(&library, &variant, &Subject::load(&variant, &library, &|_| ())?)?,
     };
     let gpu = Gpu::new(options)?;
     let asked = CheckOptions { pixels: command.pixels, seed: command.seed, bound: command.bound, reach };

@@ -9,8 +9,8 @@ use hypertexture::gpu::{Gpu, Options};
 use hypertexture::output::{self, PROGRAM};
 use hypertexture::render::variant::Variant;
 use hypertexture::render::{
-    Subject, VoxelError, VoxelExtinction, VoxelFit, VoxelGrids, VoxelLeaf, VoxelPlan, VoxelReport, lit_media,
-    try_custom_modules, voxelize,
+    Subject, VoxelError, VoxelExtinction, VoxelFit, VoxelGrids, VoxelLeaf, VoxelPlan, VoxelReport, find_module_fault,
+    lit_media, voxelize,
 };
 use hypertexture::scene::{Axis, Scene};
 use hypertexture::shader::Library;
@@ -87,13 +87,13 @@ pub(super) fn export(
     let scenes = command.times.scenes(scene, &command.output)?;
     let outputs = || scenes.iter().map(|(_, path)| ("--output", path.clone()));
     output::check_all(outputs(), files_read(&command.input, scene))?;
-    super::try_modules(&variant, &library, Some(options))?;
+    super::try_in_sandbox(&variant, &library, Some(options))?;
     if scene.camera.clip.is_some() {
         ::log::warn!("camera.clip cuts pictures; the volume is whole");
     }
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&variant, &library, progress))?;
     output::check_all(outputs(), subject.all_others().cloned())?;
-    let fault = try_custom_modules(&library, &variant, &subject)?;
+    let fault = find_module_fault(&library, &variant, &subject)?;
     let quiet_lines = quiet || command.json;
     let (device, written) = with_device(options, |gpu| {
         let mut object = FrameObject::of(&variant, &subject);

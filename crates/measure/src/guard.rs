@@ -7,7 +7,7 @@
 
 use hypertexture::gpu::{Gpu, Options};
 use hypertexture::render::variant::{Checkable, Purpose, Variant, VariantError};
-use hypertexture::render::{RenderError, Renderer, Subject, link_cells, try_custom_modules};
+use hypertexture::render::{RenderError, Renderer, Subject, find_module_fault, link_cells};
 use hypertexture::scene::{self, Object, Scene};
 use hypertexture::shader::compile::{self, CompileError};
 use hypertexture::shader::{self, Library, Linker};
@@ -179,7 +179,7 @@ fn tried(job: Job, options: &Options, stage: &mut dyn FnMut() -> io::Result<()>)
         // A scene that cannot be loaded, such as its groom, cannot be drawn either.
         Err(error) => return Ok(Answer::Bad(error.to_string())),
     };
-    match try_custom_modules(&library, &small, &subject) {
+    match find_module_fault(&library, &small, &subject) {
         Err(error) => return Ok(Answer::Bad(error.to_string())),
         Ok(_) if !job.draws => return Ok(Answer::Good(None)),
         Ok(_) => stage()?,

@@ -6,7 +6,7 @@ use crate::reference::{TOLERANCE, reference_pixels, truth_of};
 use crate::statistics::largest;
 use hypertexture::field::Progress;
 use hypertexture::gpu::Gpu;
-use hypertexture::render::{Frame, Renderer, Subject, try_custom_modules};
+use hypertexture::render::{Frame, Renderer, Subject, find_module_fault};
 use hypertexture::scene::{ParameterValue, Scene};
 use hypertexture::shader::{Library, ParameterKind};
 
@@ -168,7 +168,7 @@ impl Context<'_> {
 
     fn measure(&self, scene: &Scene, changes: &[(String, f32)], corner: &mut Corner) -> Result<(), CaseError> {
         let subject = Subject::load(scene, self.library, &|_| ())?;
-        if let Some(fault) = try_custom_modules(self.library, scene, &subject)? {
+        if let Some(fault) = find_module_fault(self.library, scene, &subject)? {
             (corner.why, corner.ok) = (fault.to_string(), false);
         }
         let mut renderer = Renderer::new(self.gpu, self.library, &subject);
