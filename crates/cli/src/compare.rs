@@ -2,14 +2,15 @@
 
 use super::export::live;
 use super::picture::say_fault;
-use super::scene_arguments::{ObjectFlags, SceneArguments};
+use super::prepared::{CheckedScene, Outputs, Preparation, Prepared};
+use super::scene_arguments::{ObjectFlags, RequestedScene, SceneArguments};
 use super::sequence::{Interrupted, stop_flag};
-use super::{absolute, announced, say, start, with_progress};
+use super::{absolute, announced, say, start};
 use clap::Args;
 use hypertexture::field::Progress;
 use hypertexture::gpu::{Gpu, Options};
 use hypertexture::output::{Depth, Provenance, encode_png};
-use hypertexture::render::{Frame, Subject, find_module_fault};
+use hypertexture::render::Frame;
 use hypertexture::scene::{Scene, to_text};
 use hypertexture_measure::compare::candidates::{Candidate, Sweep, candidates};
 use hypertexture_measure::compare::report::{self, Environment, Report};
@@ -73,7 +74,7 @@ pub struct Compare {
 }
 
 impl Compare {
-    /// The candidates.
+    /// The scene to compare.
     pub fn input(&self) -> &str {
         self.input.as_deref().unwrap_or(OBJECT)
     }
@@ -87,12 +88,12 @@ pub struct Failed(pub String);
 /// Compares, and writes the report.
 pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     let (scene, mut settings) = plan(command)?;
-    let (variant, library) = super::checked(&scene)?;
-    // Faults of the settings and of custom modules are reported before the work begins.
-    candidates(&scene, &library, &settings.sweep)?;
-    super::try_in_sandbox(&variant, &library, Some(options))?;
-    let subject = with_progress(quiet, "distance field", |progress| Subject::load(&variant, &library, progress))?;
-    let fault = find_module_fault(&library, &variant, &subject)?;
+    let scene = CheckedScene::of(scene)?;
+    // Faults of the settings are reported before the work begins.
+    candidates(&scene.moving, &scene.library, &settings.sweep)?;
+    let (input, outputs) = (command.input(), &Outputs::Folder(command.output.clone()));
+    let preparation = Preparation { input, outputs, device: Some(options), serves_all_moments: false, quiet };
+    let Prepared { moving: scene, library, subject, fault, .. } = scene.prepare(&preparation)?;
     let gpu = Gpu::new(options)?;
     settings.sweep.filters = gpu.info().filters_by_few_bits();
     let flag = stop_flag()?;
@@ -138,7 +139,9 @@ pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<
         Ok(Report { title, hash, tolerance: TOLERANCE, environment, comparison, pictures, live, table, crops })
     })?;
     let page = report::write(&report, &command.output)?;
-    say_fault(fault.filter(|_| !quiet));
+    if !quiet {
+        say_fault(fault);
+    }
     conclude(&report, &page, quiet)
 }
 
@@ -164,14 +167,14 @@ fn live_pages(
 }
 
 /// The scene and what to do with it.
-fn plan(command: &Compare) -> Result<(Scene, Settings), Box<dyn Error>> {
+fn plan(command: &Compare) -> Result<(RequestedScene, Settings), Box<dyn Error>> {
     let repeat = command.repeat.unwrap_or(if command.thorough { 31 } else { 7 });
     if !(1..=1000).contains(&repeat) {
         return Err(format!("--repeat {repeat}: must be from 1 to 1000").into());
     }
-    let mut scene = command.arguments.scene(command.input(), &command.object)?;
+    let mut scene = command.arguments.request(command.input(), &command.object)?.still()?;
     if !command.arguments.settings.has("image.size") {
-        scene.image.size = SIZE;
+        scene.moving.image.size = SIZE;
     }
     let (samples, strategies) = (command.sweep.clone(), command.strategies.clone());
     Ok((scene, Settings { sweep: Sweep { quick: !command.thorough, samples, strategies, filters: false }, repeat }))

@@ -2,6 +2,7 @@
 
 use super::absolute;
 use super::picture::Picture;
+use super::prepared::Prepared;
 use hypertexture::output::write_map;
 use hypertexture::render::Renderer;
 use hypertexture::render::variant::Variant;
@@ -11,7 +12,8 @@ use std::path::Path;
 
 /// Writes the depth of a picture as channel `Z` of an EXR: see [`Renderer::render_depth`].
 pub(super) fn write_depth_map(picture: &Picture<'_>, path: &Path) -> Result<Value, Box<dyn Error>> {
-    let Picture { gpu, library, variant: Variant { scene, .. }, subject, tell, .. } = *picture;
+    let Picture { gpu, prepared: Prepared { library, subject, .. }, variant: Variant { scene, .. }, tell, .. } =
+        *picture;
     let depth = Renderer::new(gpu, library, subject).render_depth(scene)?;
     let seen = || depth.iter().copied().filter(|depth| depth.is_finite());
     let (pixels, ends) = (seen().count(), seen().reduce(f32::min).zip(seen().reduce(f32::max)));

@@ -1,6 +1,7 @@
 //! `render --error-map`: how far each pixel is from the f64 reference.
 
 use super::picture::Picture;
+use super::prepared::Prepared;
 use super::{absolute, announced};
 use hypertexture::output::write_map;
 use hypertexture::render::Frame;
@@ -18,7 +19,8 @@ use std::path::Path;
 /// `estimate` how far the reference itself may be off, as far as samples say, and as `open` the opacity that they may have
 /// overlooked; .png with the worst channel as a color.
 pub(super) fn write_error_map(picture: &Picture<'_>, frame: &Frame, path: &Path) -> Result<Value, Box<dyn Error>> {
-    let Picture { library, variant: Variant { scene, .. }, subject, quiet, tell, .. } = *picture;
+    let Picture { prepared: Prepared { library, subject, .. }, variant: Variant { scene, .. }, quiet, tell, .. } =
+        *picture;
     let known =
         announced(quiet, "error map", |progress| reference(library, scene, subject, TOLERANCE, progress, &|| false))?;
     let off: Vec<[f64; 4]> = (frame.pixels.iter().zip(&known.pixels))

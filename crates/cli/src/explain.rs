@@ -1,16 +1,16 @@
 //! `explain`: inputs and program of a picture, the work that its scene leaves out, reasons and savings.
 
 use super::picture::say_fault;
+use super::prepared::{CheckedScene, Outputs, Preparation, Prepared};
 use super::scene_arguments::{ObjectFlags, SceneArguments};
-use super::{announced, say, say_json, with_progress};
+use super::{announced, say, say_json};
 use clap::Args;
 use hypertexture::field::Progress;
 use hypertexture::gpu::{Gpu, Options};
 use hypertexture::output::PROGRAM;
 use hypertexture::render::variant::Variant;
-use hypertexture::render::{Frame, RenderError, Renderer, Subject, describe_frame, find_module_fault};
+use hypertexture::render::{Frame, RenderError, Renderer, describe_frame};
 use hypertexture::scene::{EmptySpace, Pass, Scene};
-use hypertexture::shader::Library;
 use hypertexture::shader::slots::FOLDED;
 use hypertexture_measure::statistics::{largest, quantile};
 use hypertexture_support::words;
@@ -41,13 +41,13 @@ pub struct Explain {
 
 /// Draws the picture, and again without each saving.
 pub(super) fn run(command: &Explain, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
-    let scene = command.arguments.scene(&command.input, &command.object)?;
-    let (variant, library) = super::checked(&scene)?;
-    super::try_in_sandbox(&variant, &library, Some(options))?;
-    let subject = with_progress(quiet, "distance field", |progress| Subject::load(&variant, &library, progress))?;
-    let fault = find_module_fault(&library, &variant, &subject)?;
+    let scene = CheckedScene::of(command.arguments.request(&command.input, &command.object)?.still()?)?;
+    let (input, outputs) = (command.input.as_str(), &Outputs::NONE);
+    let preparation = Preparation { input, outputs, device: Some(options), serves_all_moments: false, quiet };
+    let prepared = scene.prepare(&preparation)?;
     let gpu = Gpu::new(options)?;
-    let explained = announced(quiet, "pictures", |progress| explain(&gpu, &library, &variant, &subject, progress))?;
+    let explained = announced(quiet, "pictures", |progress| explain(&gpu, &prepared, progress))?;
+    let Prepared { moving: scene, fault, .. } = prepared;
     if command.json {
         let fault = fault.map(|fault| fault.to_string());
         let made_with: Vec<_> =
@@ -100,13 +100,8 @@ impl Other {
     }
 }
 
-fn explain(
-    gpu: &Gpu,
-    library: &Library,
-    variant: &Variant,
-    subject: &Subject,
-    progress: Progress<'_>,
-) -> Result<Explained, Box<dyn Error>> {
+fn explain(gpu: &Gpu, prepared: &Prepared, progress: Progress<'_>) -> Result<Explained, Box<dyn Error>> {
+    let Prepared { library, variant, subject, .. } = prepared;
     let warm = |scene: &Variant| -> Result<(Renderer, Frame), RenderError> {
         let mut renderer = Renderer::new(gpu, library, subject);
         // The second one: slices leave out empty space from there on.

@@ -1,14 +1,15 @@
 //! `web` and `export`: a scene for a browser, and for other hosts.
 
-use super::picture::{draw, smooth};
-use super::scene_arguments::{ObjectFlags, SceneArguments, SceneInput};
-use super::session::check_folder;
-use super::{absolute, say, try_in_sandbox, with_device, with_progress};
+use super::picture::{draw, say_fault};
+use super::prepared::{CheckedScene, Outputs, Preparation, Prepared};
+#[cfg(feature = "viewer")]
+use super::scene_arguments::RequestedScene;
+use super::scene_arguments::{ObjectFlags, SceneArguments};
+use super::{absolute, say, with_device, with_progress};
 use clap::Args;
 use hypertexture::gpu::Options;
-use hypertexture::output::{self, Depth, Provenance, encode_png};
-use hypertexture::render::variant::Variant;
-use hypertexture::render::{Portable, RenderError, Subject, widest};
+use hypertexture::output::{Depth, Provenance, encode_png};
+use hypertexture::render::{ModuleFault, Portable, RenderError, Subject};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
 use hypertexture_export::{File, Page, folder, page};
@@ -52,106 +53,98 @@ pub struct Export {
     pub arguments: SceneArguments,
 }
 
-/// A scene with its object loaded.
-struct Loaded {
-    variant: Variant,
-    library: Library,
-    subject: Subject,
+/// A prepared scene, its programs and its inputs.
+struct Exported {
+    prepared: Prepared,
     portable: Portable,
     /// The command that makes the output, without its name.
     command: String,
 }
 
-/// Loads a scene and makes its programs and inputs.
-fn load(
+/// The checked scene of a command, and the command that makes its output, without the name of the output.
+fn checked(
     (name, input): (&str, &str),
     (arguments, object): (&SceneArguments, &ObjectFlags),
-    options: Option<&Options>,
-    quiet: bool,
-) -> Result<Loaded, Box<dyn Error>> {
-    let SceneInput { mut scene, sets_rays_of_a_pixel, .. } = arguments.scene_and_base(input, object)?;
-    let command = command_of(name, &scene, &scene.library()?);
-    if !sets_rays_of_a_pixel {
-        smooth(&mut scene);
-    }
-    let (variant, library) = super::checked(&scene)?;
-    try_in_sandbox(&variant, &library, options)?;
-    loaded(command, &scene, (variant, library), quiet)
+) -> Result<(CheckedScene, String), Box<dyn Error>> {
+    let scene = arguments.request(input, object)?;
+    let command = command_of(name, &scene.moving, &scene.moving.library()?);
+    let scene = if arguments.says_rays_of_a_pixel(input) { scene } else { scene.smooth() };
+    Ok((CheckedScene::of(scene)?, command))
 }
 
-/// Loads the object of a checked scene and makes its programs and inputs.
-fn loaded(
-    command: String,
-    scene: &Scene,
-    (variant, library): (Variant, Library),
-    quiet: bool,
-) -> Result<Loaded, Box<dyn Error>> {
-    let widest = widest(scene, &library)?;
-    let subject = with_progress(quiet, "distance field", |progress| Subject::load(&widest, &library, progress))?;
-    let portable = with_progress(quiet, "program", |progress| Portable::of(&library, scene, &subject, progress))?;
+/// Prepares a scene and makes its programs and inputs.
+fn exported(
+    (scene, command): (CheckedScene, String),
+    preparation: &Preparation<'_>,
+) -> Result<Exported, Box<dyn Error>> {
+    let quiet = preparation.quiet;
+    let prepared = scene.prepare(preparation)?;
+    let Prepared { moving, library, subject, .. } = &prepared;
+    let portable = with_progress(quiet, "program", |progress| Portable::of(library, moving, subject, progress))?;
     let still = portable.motion.iter().flat_map(|motion| &motion.still).cloned().collect::<Vec<_>>().join(", ");
     if !quiet && !still.is_empty() {
         say(&format!("note       {still}: without motion, since it changes the program, its images or the field\n"));
     }
-    Ok(Loaded { variant, library, subject, portable, command })
+    Ok(Exported { prepared, portable, command })
 }
 
 /// Writes a page.
 pub(super) fn web(command: &Web, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
-    let path = command.path()?;
-    let loaded = load(("web", &command.input), (&command.arguments, &command.object), Some(options), quiet)?;
+    command.path()?;
+    let scene = checked(("web", &command.input), (&command.arguments, &command.object))?;
     let stem = Path::new(&command.input).file_stem().unwrap_or_default().to_string_lossy().replace('_', " ");
     let title = command.arguments.effect.as_ref().map_or(stem.clone(), |effect| format!("{effect} on {stem}"));
-    write_page(&loaded, (&path, &title, command.single_file), options, quiet)
+    write_page(command, scene, &title, options, quiet)
 }
 
 /// Writes the page of a scene that the window shows.
 #[cfg(feature = "viewer")]
 pub(super) fn web_of(
     command: &Web,
-    (mut scene, library): (Scene, Library),
+    (scene, library): (RequestedScene, Library),
     options: &Options,
     quiet: bool,
 ) -> Result<(), Box<dyn Error>> {
-    let path = command.path()?;
-    let line = command_of("web", &scene, &library);
-    smooth(&mut scene);
-    let loaded = loaded(line, &scene, (Variant::of(&scene, &library)?, library), quiet)?;
-    let title = path.file_stem().unwrap_or_default().to_string_lossy().replace('_', " ");
-    write_page(&loaded, (&path, &title, command.single_file), options, quiet)
+    let line = command_of("web", &scene.moving, &library);
+    let scene = CheckedScene::with_library(scene.smooth(), library)?;
+    let title = command.path()?.file_stem().unwrap_or_default().to_string_lossy().replace('_', " ");
+    write_page(command, (scene, line), &title, options, quiet)
 }
 
 impl Web {
-    /// The checked path of the output.
-    fn path(&self) -> Result<PathBuf, Box<dyn Error>> {
+    /// The path of the output.
+    fn path(&self) -> Result<PathBuf, String> {
         let usual = if self.single_file { "page.html" } else { "page" };
         let path = self.output.clone().unwrap_or_else(|| usual.into());
-        match self.single_file {
-            true if path.extension().is_none_or(|end| !end.eq_ignore_ascii_case("html")) => {
-                return Err(format!("--output {}: end the name in .html", path.display()).into());
-            }
-            true => output::check_all([("--output", path.clone())], [PathBuf::from(&self.input)])?,
-            false => check_folder(&path)?,
+        if self.single_file && path.extension().is_none_or(|end| !end.eq_ignore_ascii_case("html")) {
+            return Err(format!("--output {}: end the name in .html", path.display()));
         }
         Ok(path)
     }
 }
 
 fn write_page(
-    loaded: &Loaded,
-    (path, title, is_single): (&Path, &str, bool),
+    command: &Web,
+    scene: (CheckedScene, String),
+    title: &str,
     options: &Options,
     quiet: bool,
 ) -> Result<(), Box<dyn Error>> {
-    let Loaded { variant, library, subject, portable, command: line } = loaded;
+    let (path, is_single) = (&command.path()?, command.single_file);
+    let outputs =
+        &if is_single { Outputs::Files(vec![("--output", path.clone())]) } else { Outputs::Folder(path.clone()) };
+    let (input, device) = (command.input.as_str(), Some(options));
+    let preparation = Preparation { input, outputs, device, serves_all_moments: true, quiet };
+    let Exported { prepared, portable, command: line } = exported(scene, &preparation)?;
+    let Prepared { variant, library, subject, fault, .. } = prepared;
     let picture = with_device(options, |gpu| {
-        let frame = draw(gpu, library, (variant, subject), quiet)?;
+        let frame = draw(gpu, &library, (&variant, &subject), quiet)?;
         let provenance = Provenance::of(&variant.scene, &gpu.info().title(), &frame.measurements)?;
         Ok(encode_png(&frame, variant.scene.image.background, Depth::Eight, &provenance)?)
     })?;
     let flag = if is_single { " --single-file" } else { "" };
     let line = format!("{line}{flag} -o {}", path.file_name().unwrap_or_default().to_string_lossy());
-    let files = page(portable, &Page { title, command: &line, picture: &picture, is_single })?;
+    let files = page(&portable, &Page { title, command: &line, picture: &picture, is_single })?;
     match is_single {
         true => {
             write(Path::new(""), &[(path.to_string_lossy().into(), files.into_iter().next().unwrap_or_default().1)])?
@@ -159,15 +152,18 @@ fn write_page(
         false => write(path, &files)?,
     }
     let shown = if is_single { path.to_path_buf() } else { path.join("index.html") };
-    say_written(&shown, quiet)
+    say_written(&shown, fault, quiet)
 }
 
 /// Writes a folder for other hosts.
 pub(super) fn export(command: &Export, quiet: bool) -> Result<(), Box<dyn Error>> {
-    check_folder(&command.output)?;
-    let loaded = load(("export", &command.input), (&command.arguments, &command.object), None, quiet)?;
-    write(&command.output, &folder(&loaded.portable, &loaded.command)?)?;
-    say_written(&command.output.join("scene.json"), quiet)
+    let outputs = &Outputs::Folder(command.output.clone());
+    let input = command.input.as_str();
+    let scene = checked(("export", input), (&command.arguments, &command.object))?;
+    let preparation = Preparation { input, outputs, device: None, serves_all_moments: true, quiet };
+    let exported = exported(scene, &preparation)?;
+    write(&command.output, &folder(&exported.portable, &exported.command)?)?;
+    say_written(&command.output.join("scene.json"), exported.prepared.fault, quiet)
 }
 
 /// Writes the page of a checked scene beside others; false if the scene cannot be carried.
@@ -204,8 +200,9 @@ fn write(folder: &Path, files: &[File]) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn say_written(path: &Path, quiet: bool) -> Result<(), Box<dyn Error>> {
+fn say_written(path: &Path, fault: Option<ModuleFault>, quiet: bool) -> Result<(), Box<dyn Error>> {
     if !quiet {
+        say_fault(fault);
         say(&format!("wrote {}\n", absolute(path)));
     }
     Ok(())

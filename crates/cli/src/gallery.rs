@@ -2,8 +2,7 @@
 
 use super::compare::Failed;
 use super::export::live;
-use super::picture::smooth;
-use super::scene_arguments::{ObjectFlags, size};
+use super::scene_arguments::{ObjectFlags, size, smooth};
 use super::session::check_folder;
 use super::{absolute, announced, say, start};
 use clap::Args;

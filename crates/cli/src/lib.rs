@@ -29,6 +29,7 @@ mod mesh;
 mod modules;
 mod paper;
 mod picture;
+mod prepared;
 mod program;
 mod progress;
 mod render;

@@ -2,14 +2,14 @@
 
 use super::convert::MESH_ENDS;
 use super::picture::say_fault;
-use super::scene_arguments::{ObjectFlags, SceneArguments, files_read};
+use super::prepared::{CheckedScene, Outputs, Preparation, Prepared};
+use super::scene_arguments::{ObjectFlags, SceneArguments};
 use super::sequence::{FrameObject, Times};
 use super::{absolute, say, with_progress};
 use clap::Args;
 use glam::Vec3;
-use hypertexture::output;
 use hypertexture::render::variant::Variant;
-use hypertexture::render::{PolygonizeError, Polygons, Subject, find_module_fault, polygonize, polygonize_with_looks};
+use hypertexture::render::{PolygonizeError, Polygons, Subject, polygonize, polygonize_with_looks};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
 use hypertexture::shape::{Body, MeshFormat};
@@ -82,8 +82,8 @@ const SPECK: f64 = 1e-3;
 /// Polygonizes the surface and writes it.
 pub(super) fn run(command: &Mesh, quiet: bool) -> Result<(), Box<dyn Error>> {
     command.format()?;
-    let scene = command.arguments.scene_and_base(&command.input, &command.object)?.scene;
-    export(command, &scene, super::checked(&scene)?, quiet)
+    let scene = command.arguments.request(&command.input, &command.object)?;
+    export(command, CheckedScene::of(scene)?, quiet)
 }
 
 impl Mesh {
@@ -95,23 +95,16 @@ impl Mesh {
 }
 
 /// Polygonizes the surface of a checked scene and writes it.
-pub(super) fn export(
-    command: &Mesh,
-    scene: &Scene,
-    (variant, library): (Variant, Library),
-    quiet: bool,
-) -> Result<(), Box<dyn Error>> {
+pub(super) fn export(command: &Mesh, scene: CheckedScene, quiet: bool) -> Result<(), Box<dyn Error>> {
     let format = command.format()?;
-    let scenes = command.times.scenes(scene, &command.output)?;
-    let outputs = || scenes.iter().map(|(_, path)| ("--output", path.clone()));
-    output::check_all(outputs(), files_read(&command.input, scene))?;
-    super::try_in_sandbox(&variant, &library, None)?;
-    if scene.camera.clip.is_some() {
+    let scenes = command.times.scenes(&scene.moving, &command.output)?;
+    let outputs = &Outputs::Files(scenes.iter().map(|(_, path)| ("--output", path.clone())).collect());
+    let input = command.input.as_str();
+    let preparation = Preparation { input, outputs, device: None, serves_all_moments: false, quiet };
+    let Prepared { moving, variant, library, subject, fault, .. } = scene.prepare(&preparation)?;
+    if moving.camera.clip.is_some() {
         ::log::warn!("camera.clip cuts pictures; the mesh is whole");
     }
-    let subject = with_progress(quiet, "distance field", |progress| Subject::load(&variant, &library, progress))?;
-    output::check_all(outputs(), subject.all_others().cloned())?;
-    let fault = find_module_fault(&library, &variant, &subject)?;
     let mut object = FrameObject::of(&variant, &subject);
     for (scene, path) in &scenes {
         object.serve(&Variant::of(scene, &library)?, &library)?;

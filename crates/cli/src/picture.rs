@@ -1,5 +1,6 @@
 //! A picture or a shard: rendering, writing, and the summary.
 
+use super::prepared::Prepared;
 use super::{absolute, say, with_progress};
 use hypertexture::field::DistanceField;
 use hypertexture::gpu::Gpu;
@@ -17,7 +18,6 @@ use serde_json::{Map, Value, json};
 use std::error::Error;
 use std::io::Write;
 use std::path::Path;
-use std::time::Instant;
 
 /// Size of a voxel in pixels from which on edges look stepped.
 const SEEN_VOXEL: f32 = 6.0;
@@ -25,35 +25,23 @@ const SEEN_VOXEL: f32 = 6.0;
 /// Output name of standard output.
 pub(super) const STANDARD_OUTPUT: &str = "-";
 
-/// Default supersampling of final pictures.
-const SMOOTH: u32 = 4;
-
-/// Antialiases a final picture, unless its scene says how many rays a pixel has.
-pub(super) fn smooth(scene: &mut Scene) {
-    if (scene.quality.supersampling, scene.quality.msaa) == (1, 1) {
-        scene.quality.supersampling = SMOOTH;
-    }
-}
-
-/// Inputs and output of a picture.
+/// A picture on an open device.
 #[derive(Clone, Copy)]
 pub(super) struct Picture<'a> {
     pub(super) gpu: &'a Gpu,
-    pub(super) library: &'a Library,
-    /// The checked scene.
+    /// The scene as requested, its modules and its object.
+    pub(super) prepared: &'a Prepared,
+    /// The scene of the picture, which `--max-error` may have changed.
     pub(super) variant: &'a Variant,
-    pub(super) subject: &'a Subject,
     /// Files of modules whose text is in no file of the scene.
     pub(super) edited: &'a [String],
+    /// Output file, or the pattern of the files of frames.
     pub(super) output: &'a Path,
     /// Bits of each channel of a PNG: 8 or 16.
     pub(super) depth: &'a str,
     pub(super) quiet: bool,
     /// Receives messages.
     pub(super) tell: fn(&str),
-    /// Start of the work, and milliseconds of loading.
-    pub(super) began: Instant,
-    pub(super) loading_ms: f64,
 }
 
 impl Picture<'_> {
@@ -84,7 +72,7 @@ pub(super) fn say_fault(fault: Option<ModuleFault>) {
 
 /// Renders a picture, unless it is `drawn` already, and writes the file.
 pub(super) fn render_picture(picture: &Picture<'_>, drawn: Option<Frame>) -> Result<Frame, Box<dyn Error>> {
-    let Picture { gpu, library, variant, subject, output, quiet, tell, .. } = *picture;
+    let Picture { gpu, prepared: Prepared { library, subject, .. }, variant, output, quiet, tell, .. } = *picture;
     let scene = &variant.scene;
     let frame = match drawn {
         Some(drawn) => drawn,
@@ -174,7 +162,7 @@ fn remedies(scene: &Scene, field: &DistanceField, voxel: f32) -> String {
 
 /// Renders a shard of a picture and writes the file.
 pub(super) fn render_shard(picture: &Picture<'_>, shard: Shard) -> Result<Frame, Box<dyn Error>> {
-    let Picture { gpu, library, variant, subject, output, quiet, tell, .. } = *picture;
+    let Picture { gpu, prepared: Prepared { library, subject, .. }, variant, output, quiet, tell, .. } = *picture;
     let scene = &variant.scene;
     let bands = shard.bands(scene.image.size[1]);
     let frame = with_progress(quiet, "picture", |progress| {
@@ -201,7 +189,8 @@ pub(super) fn render_shard(picture: &Picture<'_>, shard: Shard) -> Result<Frame,
 
 /// Scene, notes and measurements of a picture as JSON.
 pub(super) fn object(picture: &Picture<'_>, frame: &Frame) -> Result<Map<String, Value>, Box<dyn Error>> {
-    let Picture { variant: Variant { scene, .. }, subject, began, loading_ms, .. } = *picture;
+    let Picture { prepared: Prepared { subject, began, loading_ms, .. }, variant: Variant { scene, .. }, .. } =
+        *picture;
     let field = subject.field.as_ref().zip(subject.report.as_ref()).map(|(field, report)| {
         json!({
             "size": field.grid.size, "from_cache": report.from_cache, "ms": report.ms, "triangles": report.triangles,
@@ -223,7 +212,7 @@ pub(super) fn object(picture: &Picture<'_>, frame: &Frame) -> Result<Map<String,
 
 /// Notes on a picture: subject and text.
 fn notes(picture: &Picture<'_>, frame: &Frame) -> Vec<(&'static str, String)> {
-    let Picture { library, variant, subject, .. } = *picture;
+    let Picture { prepared: Prepared { library, subject, .. }, variant, .. } = *picture;
     let m = &frame.measurements;
     let mut notes: Vec<_> = coarse(variant, subject).map(|text| ("voxels", text)).into_iter().collect();
     notes.extend(octaves_held(m, variant, library).map(|text| ("octaves", text)));
@@ -233,7 +222,8 @@ fn notes(picture: &Picture<'_>, frame: &Frame) -> Vec<(&'static str, String)> {
 
 /// Time of a render and the work that it left out.
 fn summary(picture: &Picture<'_>, frame: &Frame) -> String {
-    let Picture { gpu, variant: Variant { scene, .. }, subject, began, loading_ms, .. } = *picture;
+    let Picture { gpu, prepared: Prepared { subject, began, loading_ms, .. }, variant, .. } = *picture;
+    let scene = &variant.scene;
     let info = gpu.info();
     let m = &frame.measurements;
     let mut lines = vec![

@@ -2,20 +2,20 @@
 
 use super::depth_map::write_depth_map;
 use super::error_map::write_error_map;
-use super::picture::{self, Picture, STANDARD_OUTPUT, fault_line, render_picture, render_shard, smooth};
-use super::scene_arguments::{ObjectFlags, SceneArguments, SceneInput, files_read, metric};
+use super::picture::{self, Picture, STANDARD_OUTPUT, fault_line, render_picture, render_shard};
+use super::prepared::{CheckedScene, Outputs, Preparation, Prepared};
+use super::scene_arguments::{ObjectFlags, SceneArguments, metric};
 use super::sequence::{Motion, ShardChoice, frames_of, render_frames, shard};
 use super::validity::write_validity;
-use super::{absolute, announced, aside, say, say_json, silent, start, with_device, with_progress};
+use super::{absolute, announced, aside, say, say_json, silent, start, with_device};
 use clap::Args;
 use hypertexture::gpu::{Gpu, Options};
 use hypertexture::output::sequence::{Sequence, manifest_path};
 use hypertexture::output::shard::Shard;
 use hypertexture::output::{self, PROGRAM};
 use hypertexture::render::variant::Variant;
-use hypertexture::render::{Renderer, Subject, check_depth, find_module_fault, unused_overrides};
+use hypertexture::render::{Renderer, check_depth, unused_overrides};
 use hypertexture::scene::{self, Pass, Scene};
-use hypertexture::shader::Library;
 use hypertexture_measure::compare::{Failure, Session};
 use hypertexture_measure::guard::edited;
 use hypertexture_measure::metric::Metric;
@@ -29,7 +29,6 @@ use std::borrow::Cow;
 use std::error::Error;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 /// Arguments of `render`.
 #[derive(Args)]
@@ -86,17 +85,11 @@ pub struct Render {
 }
 
 impl Render {
-    /// Options without effect, separated by commas, if any. `base` is the scene before the arguments, `asked` the
-    /// scene with them, `drawn` the one that `--max-error` may have changed.
-    fn ignored(
-        &self,
-        library: &Library,
-        subject: &Subject,
-        [base, asked]: [&Scene; 2],
-        drawn: &Variant,
-    ) -> Option<String> {
+    /// Options without effect on the scene `drawn`, separated by commas, if any. `--max-error` may have changed that scene.
+    fn ignored(&self, prepared: &Prepared, drawn: &Variant) -> Option<String> {
+        let Prepared { base, library, subject, variant: asked, .. } = prepared;
         let (before, after) = (base.fields(), drawn.scene.fields());
-        let set: Vec<_> = asked.fields().into_iter().filter(|field| !before.contains(field)).collect();
+        let set: Vec<_> = asked.scene.fields().into_iter().filter(|field| !before.contains(field)).collect();
         let said = |(name, value): &(String, toml::Value)| format!("{name} = {value}");
         let replaced = set.iter().filter(|field| !after.contains(field));
         let mut all: Vec<String> = replaced.map(|field| format!("{} (--max-error chooses)", said(field))).collect();
@@ -171,61 +164,31 @@ fn ends(path: &Path, end: &str) -> bool {
 
 /// Renders, or predicts the cost.
 pub(super) fn run(command: &Render, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
-    let SceneInput { mut scene, mut base, sets_rays_of_a_pixel } =
-        command.arguments.scene_and_base(&command.input, &command.object)?;
-    if command.max_error.is_none() && !sets_rays_of_a_pixel {
-        [&mut scene, &mut base].into_iter().for_each(smooth);
-    }
-    let (variant, library) = super::checked(&scene)?;
-    render(command, options, quiet, (scene, variant, base, library))
+    let scene = command.arguments.request(&command.input, &command.object)?;
+    let is_smooth = command.max_error.is_none() && !command.arguments.says_rays_of_a_pixel(&command.input);
+    let scene = if is_smooth { scene.smooth() } else { scene };
+    render(command, options, quiet, CheckedScene::of(scene)?)
 }
 
-/// Renders a scene, checked as `variant`, or predicts its cost. `base` is the scene before the arguments.
+/// Renders a checked scene, or predicts its cost.
 pub(super) fn render(
     command: &Render,
     options: &Options,
     quiet: bool,
-    (moving, variant, base, library): (Scene, Variant, Scene, Library),
+    scene: CheckedScene,
 ) -> Result<(), Box<dyn Error>> {
-    let scene = &variant.scene;
-    let bound = command.max_error.map(|error| ErrorBound::new(command.metric, error)).transpose();
-    let bound = bound.map_err(|error| format!("--max-error: {error}"))?;
-    command.check_piped()?;
-    let shard = command.shard.map(ShardChoice::shard).transpose()?;
-    command.motion.check(&command.output, scene.image.size, shard)?;
-    let maps = [&command.error_map, &command.validity, &command.depth_map].map(Option::as_ref);
-    let pattern = command.motion.pattern(&command.output);
-    let files = [Some(&pattern).filter(|_| !command.is_piped())].into_iter().chain(maps);
-    files.flatten().try_for_each(|file| output::check(file))?;
-    if let Some(file) = command.validity.as_ref().filter(|file| !ends(file, "png")) {
-        return Err(format!("--validity {}: its colors are words; write .png", file.display()).into());
-    }
-    if let Some(file) = command.depth_map.as_ref().filter(|file| !ends(file, "exr")) {
-        return Err(format!("--depth-map {}: a color file cannot store a depth; write .exr", file.display()).into());
-    }
-    if command.depth_map.is_some() {
-        check_depth(scene, &library)?;
-    }
-    let sequence = command.motion.sequence()?;
-    let written = command.written(shard, sequence.as_ref())?;
-    output::check_all(written.clone(), files_read(&command.input, scene))?;
-    if let Some(sequence) = &sequence {
-        sequence.scene(&moving, sequence.frames.last).check(&library)?;
-    }
-    super::try_in_sandbox(&variant, &library, Some(options))?;
-    let began = Instant::now();
-    let subject = with_progress(quiet, "distance field", |progress| Subject::load(&variant, &library, progress))?;
-    let loading_ms = began.elapsed().as_secs_f64() * 1e3;
-    output::check_all(written, subject.all_others().cloned())?;
-    let fault = find_module_fault(&library, &variant, &subject)?;
-    let asked = Asked { moving, variant, base, library, subject, bound, shard, sequence, began, loading_ms };
+    let plan = Plan::of(command, &scene)?;
+    let (input, outputs) = (command.input.as_str(), &plan.outputs);
+    let preparation = Preparation { input, outputs, device: Some(options), serves_all_moments: false, quiet };
+    let prepared = scene.prepare(&preparation)?;
     let tell = match command.is_piped() && !command.predict {
         _ if quiet || command.json => silent,
         true => aside,
         false => say,
     };
-    let mut object = with_device(options, |gpu| draw(command, &asked, gpu, options, (quiet, tell)))?;
-    tell(&fault_line(fault.as_ref()));
+    let mut object = with_device(options, |gpu| draw(command, &plan, &prepared, (gpu, options), (quiet, tell)))?;
+    let fault = prepared.fault.as_ref();
+    tell(&fault_line(fault));
     if command.json {
         object.insert("module".into(), json!(fault.map(|fault| fault.to_string())));
         say_json(&object)?;
@@ -233,40 +196,63 @@ pub(super) fn render(
     Ok(())
 }
 
-/// A request, before the device is opened.
-struct Asked {
-    /// The scene with its motion.
-    moving: Scene,
-    /// The scene at its time.
-    variant: Variant,
-    /// The scene before the arguments.
-    base: Scene,
-    library: Library,
-    subject: Subject,
+/// Options of a command after their checks.
+struct Plan {
     bound: Option<ErrorBound>,
     shard: Option<Shard>,
     sequence: Option<Sequence>,
-    began: Instant,
-    loading_ms: f64,
+    outputs: Outputs,
+}
+
+impl Plan {
+    /// Checks the options of a command for its scene.
+    fn of(command: &Render, scene: &CheckedScene) -> Result<Plan, Box<dyn Error>> {
+        let CheckedScene { moving, variant: Variant { scene, .. }, library, .. } = scene;
+        let bound = command.max_error.map(|error| ErrorBound::new(command.metric, error)).transpose();
+        let bound = bound.map_err(|error| format!("--max-error: {error}"))?;
+        command.check_piped()?;
+        let shard = command.shard.map(ShardChoice::shard).transpose()?;
+        command.motion.check(&command.output, scene.image.size, shard)?;
+        let maps = [&command.error_map, &command.validity, &command.depth_map].map(Option::as_ref);
+        let pattern = command.motion.pattern(&command.output);
+        let files = [Some(&pattern).filter(|_| !command.is_piped())].into_iter().chain(maps);
+        files.flatten().try_for_each(|file| output::check(file))?;
+        if let Some(file) = command.validity.as_ref().filter(|file| !ends(file, "png")) {
+            return Err(format!("--validity {}: its colors are words; write .png", file.display()).into());
+        }
+        if let Some(file) = command.depth_map.as_ref().filter(|file| !ends(file, "exr")) {
+            return Err(format!("--depth-map {}: a color file cannot store a depth; write .exr", file.display()).into());
+        }
+        if command.depth_map.is_some() {
+            check_depth(scene, library)?;
+        }
+        let sequence = command.motion.sequence()?;
+        if let Some(sequence) = &sequence {
+            sequence.scene(moving, sequence.frames.last).check(library)?;
+        }
+        let outputs = Outputs::Files(command.written(shard, sequence.as_ref())?);
+        Ok(Plan { bound, shard, sequence, outputs })
+    }
 }
 
 /// Draws the picture or predicts its cost. Result: measurements as JSON.
 fn draw(
     command: &Render,
-    asked: &Asked,
-    gpu: &Gpu,
-    options: &Options,
+    plan: &Plan,
+    prepared: &Prepared,
+    (gpu, options): (&Gpu, &Options),
     (quiet, tell): (bool, fn(&str)),
 ) -> Result<Map<String, Value>, Box<dyn Error>> {
-    let Asked { moving, base, library, subject, bound, shard, sequence, began, loading_ms, .. } = asked;
-    let (mut variant, mut drawn) = (Cow::Borrowed(&asked.variant), None);
+    let Plan { bound, shard, sequence, outputs } = plan;
+    let Prepared { moving, library, subject, .. } = prepared;
+    let (mut variant, mut drawn) = (Cow::Borrowed(&prepared.variant), None);
     let mut object = Map::from_iter([("program".into(), json!(PROGRAM)), ("device".into(), json!(gpu.info().title()))]);
     let mut add = |name: &str, value: Value| drop(object.insert(name.into(), value));
     if let Some(bound) = *bound {
         let worker = Worker::new(&start(options)?, library, Load::Scene(scene::to_text(&variant.scene)));
         let session = Session { gpu, library, subject, worker: Some(&worker), stop: &|| false };
         let pick = announced(quiet, "fastest settings", |progress| {
-            remembered(session, &asked.variant.scene, bound, progress)
+            remembered(session, &prepared.variant.scene, bound, progress)
         })?;
         tell(&explain(&pick, bound));
         add("settings", settings(&pick, bound));
@@ -276,16 +262,15 @@ fn draw(
     let Scene { effect, quality, .. } = variant.scene.clone();
     let moving = if bound.is_some() { Scene { effect, quality, ..moving.clone() } } else { moving.clone() };
     if !quiet || command.json {
-        let fields = command.ignored(library, subject, [base, &asked.variant.scene], variant);
+        let fields = command.ignored(prepared, variant);
         let line = |fields: &String| format!("ignored    {fields}: the picture is the same without\n");
         tell(&fields.as_ref().map_or(String::new(), line));
         add("ignored", json!(fields));
     }
     let pattern = command.motion.pattern(&command.output);
     let (output, depth) = (&*pattern, &*command.depth);
-    let (began, loading_ms) = (*began, *loading_ms);
     let edited = &edited(variant, library)?;
-    let picture = Picture { gpu, library, variant, subject, edited, output, depth, quiet, tell, began, loading_ms };
+    let picture = Picture { gpu, prepared, variant, edited, output, depth, quiet, tell };
     if command.predict {
         let prediction = predict(&mut Renderer::new(gpu, library, subject), &variant.scene)?;
         if !command.json {
@@ -319,8 +304,7 @@ fn draw(
         write_whole(file, scene::to_text(&moving).as_bytes())
             .map_err(|error| format!("{}: {error}; nothing was written", file.display()))?;
     }
-    let written = command.written(*shard, sequence.as_ref())?;
-    add("wrote", written.iter().map(|(_, path)| absolute(path)).collect());
+    add("wrote", outputs.files().map(absolute).collect());
     Ok(object)
 }
 

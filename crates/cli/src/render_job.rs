@@ -1,11 +1,12 @@
 //! The job of the window that renders final pictures and exports meshes, volumes and pages.
 
 use super::args::{Arguments, Command};
+use super::prepared::CheckedScene;
 use super::render::render;
+use super::scene_arguments::RequestedScene;
 use super::{export, mesh, progress, volume};
 use clap::Parser;
 use hypertexture::gpu::Options;
-use hypertexture::render::variant::Variant;
 use hypertexture::{scene, shader};
 use hypertexture_support::jobs::Parent;
 use hypertexture_viewer::{RenderAnswer, RenderJob};
@@ -52,14 +53,12 @@ pub fn serve(mut parent: Parent, options: &Options) -> io::Result<()> {
 fn render_job(job: RenderJob, options: &Options) -> Result<(), Box<dyn Error>> {
     let scene = scene::parse(&job.scene, "scene")?;
     let library = shader::shipped_with(job.changed).compiled_by(&std::env::current_exe()?);
-    let variant = Variant::of(&scene, &library)?;
+    let scene = RequestedScene { base: scene::nearest_preset(&scene), moving: scene };
+    let checked = |scene| CheckedScene::with_library(scene, library.clone());
     match Arguments::try_parse_from(job.command)?.command {
-        Command::Render(command) => {
-            let base = scene::nearest_preset(&scene);
-            render(&command, options, true, (scene, variant, base, library))
-        }
-        Command::Mesh(command) => mesh::export(&command, &scene, (variant, library), true),
-        Command::Volume(command) => volume::export(&command, options, &scene, (variant, library), true),
+        Command::Render(command) => render(&command, options, true, checked(scene)?),
+        Command::Mesh(command) => mesh::export(&command, checked(scene)?, true),
+        Command::Volume(command) => volume::export(&command, options, checked(scene)?, true),
         Command::Web(command) => export::web_of(&command, (scene, library), options, true),
         _ => Err("the window asks for no such file".into()),
     }

@@ -4,19 +4,17 @@ use super::flags::Flags;
 use super::modules::{module, show, show_plane};
 use clap::{Args, ValueEnum};
 use hypertexture::output::{self, OutputError};
-use hypertexture::scene::{self, Color, FieldId, ParameterValue, Pass, Reach, Scene, SceneError};
+use hypertexture::scene::{self, Color, ParameterValue, Pass, Reach, Scene, SceneError};
 use hypertexture::shader::declare::hex_color;
 use hypertexture::shape::BUILT_IN;
 use hypertexture_measure::metric::Metric;
 use hypertexture_support::words::nearest;
 use std::error::Error;
+use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Arguments of the object.
 pub type ObjectFlags = Flags<true>;
-
-/// Settings of the number of rays of a pixel.
-const RAYS_OF_A_PIXEL: [&str; 2] = ["quality.supersampling", "quality.msaa"];
 
 /// A debug view.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -33,16 +31,6 @@ pub enum DebugView {
     Noise,
     /// The gradient of noise on that plane, as colors (MJ Fig. 5b).
     NoiseGradient,
-}
-
-/// The scene of an input and of arguments.
-pub struct SceneInput {
-    /// The scene with the arguments.
-    pub scene: Scene,
-    /// The one before them: the preset, the preset nearest to a file, or the scene of a picture.
-    pub base: Scene,
-    /// Whether a flag, `--set`, a scene file or the scene of a picture sets the number of rays of a pixel.
-    pub sets_rays_of_a_pixel: bool,
 }
 
 /// Arguments of the scene; each overrides it.
@@ -75,6 +63,37 @@ pub struct SceneArguments {
     pub settings: Flags<false>,
 }
 
+/// The scene of a command line.
+pub struct RequestedScene {
+    /// The scene with its motion.
+    pub moving: Scene,
+    /// The scene before the arguments: the preset, the preset nearest to a file, or the scene of a picture.
+    pub base: Scene,
+}
+
+/// Default supersampling of final pictures.
+const SMOOTH: u32 = 4;
+
+impl RequestedScene {
+    /// Antialiases a final picture, unless its scene says how many rays a pixel has.
+    pub fn smooth(mut self) -> RequestedScene {
+        [&mut self.moving, &mut self.base].into_iter().for_each(smooth);
+        self
+    }
+
+    /// The scene at its time.
+    pub fn still(self) -> Result<RequestedScene, SceneError> {
+        Ok(RequestedScene { moving: self.moving.moment()?.into_owned(), base: self.base })
+    }
+}
+
+/// Antialiases a final picture, unless its scene says how many rays a pixel has.
+pub(super) fn smooth(scene: &mut Scene) {
+    if (scene.quality.supersampling, scene.quality.msaa) == (1, 1) {
+        scene.quality.supersampling = SMOOTH;
+    }
+}
+
 /// Comma-separated numbers.
 #[derive(Clone)]
 pub struct Numbers(Vec<f32>);
@@ -100,13 +119,13 @@ pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
 impl SceneArguments {
     /// The scene of an input at its time.
     pub fn scene(&self, input: &str, object: &ObjectFlags) -> Result<Scene, Box<dyn Error>> {
-        Ok(self.scene_and_base(input, object)?.scene.moment()?.into_owned())
+        Ok(self.request(input, object)?.moving.moment()?.into_owned())
     }
 
     /// Scene of an input with the arguments applied: a scene file, the scene of a picture, an example scene, or the preset of the
     /// effect.
-    pub fn scene_and_base(&self, input: &str, object: &ObjectFlags) -> Result<SceneInput, Box<dyn Error>> {
-        let (mut scene, in_file) = self.start(input)?;
+    pub fn request(&self, input: &str, object: &ObjectFlags) -> Result<RequestedScene, Box<dyn Error>> {
+        let mut scene = self.start(input)?;
         let is_file = Path::new(input).extension().is_some_and(|end| end.eq_ignore_ascii_case("toml"));
         let mut base = match (is_file, &self.effect) {
             (true, Some(effect)) => scene::preset(effect)?,
@@ -116,14 +135,26 @@ impl SceneArguments {
         self.apply_look(&mut base);
         object.apply(&mut scene)?;
         self.apply(&mut scene)?;
-        let set = |text: &String, name: &str| text.split_once('=').is_some_and(|(own, _)| own.trim() == name);
-        let is_set = |name: &str| self.settings.has(name) || self.parameters.iter().any(|text| set(text, name));
-        let sets_rays_of_a_pixel = in_file || RAYS_OF_A_PIXEL.into_iter().any(is_set);
-        Ok(SceneInput { scene, base, sets_rays_of_a_pixel })
+        Ok(RequestedScene { moving: scene, base })
     }
 
-    /// The scene of an input, and whether the input sets the number of rays of a pixel.
-    fn start(&self, input: &str) -> Result<(Scene, bool), Box<dyn Error>> {
+    /// Whether a flag, `--set`, a scene file or the scene of a picture sets the number of rays of a pixel.
+    pub fn says_rays_of_a_pixel(&self, input: &str) -> bool {
+        let path = Path::new(input);
+        let ends = |end: &str| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(end));
+        let text = if ends("toml") { fs::read_to_string(path).unwrap_or_default() } else { String::new() };
+        let file: toml::Table = text.trim_start_matches('\u{feff}').parse().unwrap_or_default();
+        ends("png")
+            || ends("exr")
+            || ["supersampling", "msaa"].into_iter().any(|field| {
+                let name = format!("quality.{field}");
+                let set = |text: &String| text.split_once('=').is_some_and(|(own, _)| own.trim() == name);
+                let in_file = file.get("quality").and_then(|quality| quality.get(field)).is_some();
+                in_file || self.settings.has(&name) || self.parameters.iter().any(set)
+            })
+    }
+
+    fn start(&self, input: &str) -> Result<Scene, Box<dyn Error>> {
         let path = Path::new(input);
         let ends = |ends: &[&str]| path.extension().is_some_and(|end| ends.iter().any(|e| end.eq_ignore_ascii_case(e)));
         let (is_file, is_picture) = (ends(&["toml"]), ends(&["png", "exr"]));
@@ -133,23 +164,19 @@ impl SceneArguments {
             log::warn!("`{input}` is the example scene; `./{input}` is the file");
         }
         let reach = reach(self.outside);
-        let load = || -> Result<(Scene, bool), Box<dyn Error>> {
+        let load = || -> Result<Scene, Box<dyn Error>> {
             Ok(match (is_picture, is_example) {
-                (true, _) => (scene_of_picture(path, reach)?, true),
-                (_, true) => (scene::preset(input)?, false),
-                _ => {
-                    let (scene, given) = scene::load_given(path, reach)?;
-                    let is_given = |name: &str| FieldId::named(name).is_some_and(|field| given.contains(&field));
-                    (scene, RAYS_OF_A_PIXEL.into_iter().any(is_given))
-                }
+                (true, _) => scene_of_picture(path, reach)?,
+                (_, true) => scene::preset(input)?,
+                _ => scene::load(path, reach)?,
             })
         };
         Ok(match (is_file || is_picture || is_example, &self.effect) {
             (true, None) => load()?,
             (true, Some(effect)) => {
-                let (file, sets_rays) = load()?;
+                let file = load()?;
                 let preset = scene::preset(effect)?;
-                let scene = Scene {
+                Scene {
                     object: file.object,
                     camera: file.camera,
                     image: file.image,
@@ -157,8 +184,7 @@ impl SceneArguments {
                     quality: file.quality,
                     groom: file.groom,
                     ..preset
-                };
-                (scene, sets_rays)
+                }
             }
             (false, effect) => {
                 if let Some(near) = near_example(input) {
@@ -166,7 +192,7 @@ impl SceneArguments {
                 }
                 let mut scene = scene::preset(effect.as_deref().unwrap_or("lit"))?;
                 scene.replace_object(input);
-                (scene, false)
+                scene
             }
         })
     }

@@ -1,6 +1,7 @@
 //! Sequences of frames, shared by processes, interrupted and resumed between frames.
 
 use super::picture::Picture;
+use super::prepared::Prepared;
 use super::{absolute, with_progress};
 use clap::Args;
 use hypertexture::gpu::ending;
@@ -208,7 +209,8 @@ pub fn render_frames(
     shard: Option<Shard>,
     restart: bool,
 ) -> Result<Value, Box<dyn Error>> {
-    let Picture { gpu, library, variant, subject, output, depth, quiet, tell, .. } = *picture;
+    let Picture { gpu, prepared: Prepared { library, subject, .. }, variant, output, depth, quiet, tell, .. } =
+        *picture;
     let frames = frames_of(output, sequence, shard)?;
     warn_of_order(output, sequence);
     let identity = sequence.identity(identity(variant, library, subject)?, &scene.animation, depth);

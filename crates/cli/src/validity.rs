@@ -1,9 +1,9 @@
 //! `render --validity`: doubtful pixels and their cause.
 
 use super::picture::Picture;
+use super::prepared::Prepared;
 use super::{absolute, announced};
 use hypertexture::render::Frame;
-use hypertexture::render::variant::Variant;
 use hypertexture::scene::RayPath;
 use hypertexture_measure::compare::report::images::png_of;
 use hypertexture_measure::reference::{TOLERANCE, reference};
@@ -16,7 +16,8 @@ use std::path::Path;
 
 /// Writes the validity of a picture: doubtful pixels in the color of their cause, the others in grey.
 pub(super) fn write_validity(picture: &Picture<'_>, frame: &Frame, path: &Path) -> Result<Value, Box<dyn Error>> {
-    let Picture { gpu, library, variant: Variant { scene, .. }, subject, quiet, tell, .. } = *picture;
+    let Picture { gpu, prepared: Prepared { library, subject, .. }, variant, quiet, tell, .. } = *picture;
+    let scene = &variant.scene;
     let mut validity = announced(quiet, "validity", |progress| {
         progress(0.0);
         Ok::<_, Infallible>(validity(gpu, library, scene, subject, frame))

@@ -1,16 +1,17 @@
 //! `volume`: the density, extinction and color of a hypertextured object, as a fog volume.
 
-use super::scene_arguments::{ObjectFlags, SceneArguments, files_read};
+use super::picture::say_fault;
+use super::prepared::{CheckedScene, Outputs, Preparation, Prepared};
+use super::scene_arguments::{ObjectFlags, SceneArguments};
 use super::sequence::{FrameObject, Times};
 use super::{absolute, say, say_json, with_device, with_progress};
 use clap::Args;
 use glam::{DMat3, DVec3, Mat3};
 use hypertexture::gpu::{Gpu, Options};
-use hypertexture::output::{self, PROGRAM};
+use hypertexture::output::PROGRAM;
 use hypertexture::render::variant::Variant;
 use hypertexture::render::{
-    Subject, VoxelError, VoxelExtinction, VoxelFit, VoxelGrids, VoxelLeaf, VoxelPlan, VoxelReport, find_module_fault,
-    lit_media, voxelize,
+    Subject, VoxelError, VoxelExtinction, VoxelFit, VoxelGrids, VoxelLeaf, VoxelPlan, VoxelReport, lit_media, voxelize,
 };
 use hypertexture::scene::{Axis, Scene};
 use hypertexture::shader::Library;
@@ -57,8 +58,8 @@ pub struct Volume {
 /// Evaluates the voxels of each frame and writes them.
 pub(super) fn run(command: &Volume, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     command.format()?;
-    let scene = command.arguments.scene_and_base(&command.input, &command.object)?.scene;
-    export(command, options, &scene, super::checked(&scene)?, quiet)
+    let scene = command.arguments.request(&command.input, &command.object)?;
+    export(command, options, CheckedScene::of(scene)?, quiet)
 }
 
 impl Volume {
@@ -79,21 +80,18 @@ impl Volume {
 pub(super) fn export(
     command: &Volume,
     options: &Options,
-    scene: &Scene,
-    (variant, library): (Variant, Library),
+    scene: CheckedScene,
     quiet: bool,
 ) -> Result<(), Box<dyn Error>> {
     let format = command.format()?;
-    let scenes = command.times.scenes(scene, &command.output)?;
-    let outputs = || scenes.iter().map(|(_, path)| ("--output", path.clone()));
-    output::check_all(outputs(), files_read(&command.input, scene))?;
-    super::try_in_sandbox(&variant, &library, Some(options))?;
-    if scene.camera.clip.is_some() {
+    let scenes = command.times.scenes(&scene.moving, &command.output)?;
+    let outputs = &Outputs::Files(scenes.iter().map(|(_, path)| ("--output", path.clone())).collect());
+    let input = command.input.as_str();
+    let preparation = Preparation { input, outputs, device: Some(options), serves_all_moments: false, quiet };
+    let Prepared { moving, variant, library, subject, fault, .. } = scene.prepare(&preparation)?;
+    if moving.camera.clip.is_some() {
         ::log::warn!("camera.clip cuts pictures; the volume is whole");
     }
-    let subject = with_progress(quiet, "distance field", |progress| Subject::load(&variant, &library, progress))?;
-    output::check_all(outputs(), subject.all_others().cloned())?;
-    let fault = find_module_fault(&library, &variant, &subject)?;
     let quiet_lines = quiet || command.json;
     let (device, written) = with_device(options, |gpu| {
         let mut object = FrameObject::of(&variant, &subject);
@@ -108,7 +106,7 @@ pub(super) fn export(
         return Ok(say_json(&json!({ "program": PROGRAM, "device": device, "volumes": written }))?);
     }
     if !quiet {
-        super::picture::say_fault(fault);
+        say_fault(fault);
     }
     Ok(())
 }
