@@ -1,7 +1,6 @@
 //! `bench`: run times of effects, scenes and fields on this device, and changes since a saved run.
 
-use super::compare::Failed;
-use super::sequence::{Interrupted, stop_flag};
+use super::ending::{Failed, Interrupted, stop_flag};
 use super::{absolute, announced, say, say_json};
 use clap::Args;
 use hypertexture::gpu::{Gpu, Options};

@@ -1,10 +1,11 @@
 //! Error against run time, from the command line.
 
+use super::ending::{Failed, Interrupted, stop_flag};
 use super::export::live;
-use super::picture::say_fault;
+use super::faults::say_fault;
+use super::files::make_folder;
 use super::prepared::{CheckedScene, Outputs, Preparation, Prepared};
 use super::scene_arguments::{ObjectFlags, RequestedScene, SceneArguments};
-use super::sequence::{Interrupted, stop_flag};
 use super::{absolute, announced, say, start};
 use clap::Args;
 use hypertexture::field::Progress;
@@ -17,7 +18,6 @@ use hypertexture_measure::compare::report::{self, Environment, Report};
 use hypertexture_measure::compare::{Comparison, Forecast, Session, Settings, compare, paper};
 use hypertexture_measure::reference::{Reference, TOLERANCE, reference};
 use hypertexture_measure::worker::{Load, Worker};
-use hypertexture_support::probe;
 use std::cell::Cell;
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -79,11 +79,6 @@ impl Compare {
         self.input.as_deref().unwrap_or(OBJECT)
     }
 }
-
-/// A report that holds failures; it was written.
-#[derive(Debug, thiserror::Error)]
-#[error("{0}")]
-pub struct Failed(pub String);
 
 /// Compares, and writes the report.
 pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
@@ -178,16 +173,6 @@ fn plan(command: &Compare) -> Result<(RequestedScene, Settings), Box<dyn Error>>
     }
     let (samples, strategies) = (command.sweep.clone(), command.strategies.clone());
     Ok((scene, Settings { sweep: Sweep { quick: !command.thorough, samples, strategies, filters: false }, repeat }))
-}
-
-/// The folder of the report, made and written into before the measurements, so that none is lost.
-pub(super) fn make_folder(folder: &Path) -> Result<(), String> {
-    let fail = |error: std::io::Error| match folder.is_dir() || !folder.exists() {
-        true => format!("{}: {error}; nothing was written", folder.display()),
-        false => format!("{}: it is a file; name a folder; nothing was written", folder.display()),
-    };
-    std::fs::create_dir_all(folder).map_err(fail)?;
-    probe(folder).map_err(fail)
 }
 
 fn title(command: &Compare) -> String {

@@ -1,6 +1,6 @@
 //! `explain`: inputs and program of a picture, the work that its scene leaves out, reasons and savings.
 
-use super::picture::say_fault;
+use super::faults::say_fault;
 use super::prepared::{CheckedScene, Outputs, Preparation, Prepared};
 use super::scene_arguments::{ObjectFlags, SceneArguments};
 use super::{announced, say, say_json};

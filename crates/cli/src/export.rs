@@ -1,6 +1,7 @@
 //! `web` and `export`: a scene for a browser, and for other hosts.
 
-use super::picture::{draw, say_fault};
+use super::faults::say_fault;
+use super::picture::draw;
 use super::prepared::{CheckedScene, Outputs, Preparation, Prepared};
 #[cfg(feature = "viewer")]
 use super::scene_arguments::RequestedScene;

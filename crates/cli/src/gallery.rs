@@ -1,9 +1,9 @@
 //! The gallery: every example scene on its own object, or the effects of MJ Fig. 7 on one, and a page that explains them.
 
-use super::compare::Failed;
+use super::ending::Failed;
 use super::export::live;
+use super::files::check_folder;
 use super::scene_arguments::{ObjectFlags, size, smooth};
-use super::session::check_folder;
 use super::{absolute, announced, say, start};
 use clap::Args;
 use hypertexture::field::Progress;

@@ -10,13 +10,18 @@ mod depth_map;
 mod docs_tests;
 pub mod doctor;
 mod effects;
+mod ending;
 mod error_map;
 mod explain;
 mod export;
 #[cfg(test)]
 mod fault_tests;
+mod faults;
 mod field;
+mod files;
 mod flags;
+mod frame_object;
+mod frames;
 pub mod gallery;
 mod groom;
 mod info;
@@ -47,10 +52,11 @@ mod verify;
 mod view;
 mod volume;
 
-pub use program::{FAILED, INTERRUPTED, main};
+pub use ending::{FAILED, INTERRUPTED};
+pub use program::main;
 pub use session::start;
 pub use terminal::say;
 
 use progress::{announced, with_progress};
-use session::{absolute, checked, try_in_sandbox, with_device};
-use terminal::{aside, complain, say_json, silent};
+use session::{checked, try_in_sandbox, with_device};
+use terminal::{absolute, aside, complain, say_json, silent};

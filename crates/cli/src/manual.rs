@@ -2,7 +2,7 @@
 
 use super::args;
 use super::brief;
-use super::session::check_folder;
+use super::files::check_folder;
 use super::{absolute, say};
 use clap::Command;
 use clap_complete::Shell;

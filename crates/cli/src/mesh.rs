@@ -1,10 +1,11 @@
 //! `mesh`: the surface of a hypertextured object, as a file.
 
 use super::convert::MESH_ENDS;
-use super::picture::say_fault;
+use super::faults::say_fault;
+use super::frame_object::FrameObject;
+use super::frames::Times;
 use super::prepared::{CheckedScene, Outputs, Preparation, Prepared};
 use super::scene_arguments::{ObjectFlags, SceneArguments};
-use super::sequence::{FrameObject, Times};
 use super::{absolute, say, with_progress};
 use clap::Args;
 use glam::Vec3;

@@ -1,8 +1,9 @@
 //! The paper's tables, replayed from the command line.
 
-use super::compare::{Compare, Failed, make_folder, truth};
+use super::compare::{Compare, truth};
+use super::ending::{Failed, Interrupted, stop_flag};
+use super::files::make_folder;
 use super::scene_arguments::SceneArguments;
-use super::sequence::{Interrupted, stop_flag};
 use super::{absolute, announced, say, start, with_progress};
 use hypertexture::gpu::{Gpu, Options};
 use hypertexture::render::Subject;

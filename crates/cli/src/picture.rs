@@ -1,15 +1,13 @@
 //! A picture or a shard: rendering, writing, and the summary.
 
 use super::prepared::Prepared;
-use super::{absolute, say, with_progress};
+use super::{absolute, with_progress};
 use hypertexture::field::DistanceField;
 use hypertexture::gpu::Gpu;
 use hypertexture::output::shard::{self, Shard};
 use hypertexture::output::{Depth, Provenance, ProvenanceError, encode_png, identity, write};
 use hypertexture::render::variant::Variant;
-use hypertexture::render::{
-    FINITE, Frame, ModuleFault, RenderError, Renderer, Subject, half_height, octaves_held, warnings,
-};
+use hypertexture::render::{Frame, RenderError, Renderer, Subject, half_height, octaves_held, warnings};
 use hypertexture::scene::schema::{Kind, setting};
 use hypertexture::scene::{Pass, Scene};
 use hypertexture::shader::Library;
@@ -58,16 +56,6 @@ impl Picture<'_> {
         }
         Provenance::of(scene, &self.gpu.info().title(), &measured)
     }
-}
-
-/// The line about values of a custom module that are NaN or infinite; empty without a fault.
-pub(super) fn fault_line(fault: Option<&ModuleFault>) -> String {
-    fault.map_or(String::new(), |fault| format!("module     {fault}; {FINITE}\n"))
-}
-
-/// Reports NaN or infinite values of a custom module.
-pub(super) fn say_fault(fault: Option<ModuleFault>) {
-    say(&fault_line(fault.as_ref()));
 }
 
 /// Renders a picture, unless it is `drawn` already, and writes the file.

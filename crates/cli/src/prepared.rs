@@ -3,8 +3,9 @@
 //! Role: [`CheckedScene::prepare`] checks the outputs, tries custom modules in a sandbox, loads the object, and searches the
 //! values of custom modules for NaN and infinities. Invariant: a refusal comes before any output is touched.
 
+use super::files::check_folder;
 use super::scene_arguments::{RequestedScene, files_read};
-use super::session::{check_folder, checked, try_in_sandbox};
+use super::session::{checked, try_in_sandbox};
 use super::with_progress;
 use hypertexture::gpu::Options;
 use hypertexture::output;

@@ -1,8 +1,7 @@
 //! The program: arguments to calls, errors to one line and an exit code.
 
 use crate::args::{Arguments, Command};
-use crate::compare::Failed;
-use crate::sequence::Interrupted;
+use crate::ending::{FAILED, Failed, INTERRUPTED, Interrupted};
 use crate::session::gpu_error;
 use crate::terminal::{UNSAID, complain, say, say_json};
 use crate::{
@@ -34,12 +33,6 @@ const NUMBERS: [(&str, &str); 3] = [
 ];
 /// Exit code of bad input.
 const BAD_INPUT: u8 = 2;
-
-/// Exit code of an interrupted program, by the convention of shells: 128 + SIGINT.
-pub const INTERRUPTED: u8 = 130;
-
-/// Exit code of a report that holds failures.
-pub const FAILED: u8 = 1;
 
 /// The program: arguments to calls, errors to one line and an exit code.
 pub fn main() -> ExitCode {

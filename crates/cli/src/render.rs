@@ -2,10 +2,12 @@
 
 use super::depth_map::write_depth_map;
 use super::error_map::write_error_map;
-use super::picture::{self, Picture, STANDARD_OUTPUT, fault_line, render_picture, render_shard};
+use super::faults::fault_line;
+use super::frames::{Motion, ShardChoice, frames_of, shard};
+use super::picture::{self, Picture, STANDARD_OUTPUT, render_picture, render_shard};
 use super::prepared::{CheckedScene, Outputs, Preparation, Prepared};
 use super::scene_arguments::{ObjectFlags, SceneArguments, metric};
-use super::sequence::{Motion, ShardChoice, frames_of, render_frames, shard};
+use super::sequence::render_frames;
 use super::validity::write_validity;
 use super::{absolute, announced, aside, say, say_json, silent, start, with_device};
 use clap::Args;

@@ -7,10 +7,7 @@ use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
 use hypertexture_measure::guard;
 use hypertexture_measure::worker::{PATIENCE, Start};
-use hypertexture_support::{probe, words};
 use std::error::Error;
-use std::io;
-use std::path::Path;
 
 /// The error of the device behind an error, if any.
 pub(crate) fn gpu_error<'a>(error: &'a (dyn Error + 'static)) -> Option<&'a GpuError> {
@@ -65,24 +62,4 @@ pub(crate) fn try_in_sandbox(
     let device = options.map(|options| options.device.as_deref().unwrap_or_default());
     guard::try_modules(&std::env::current_exe()?, device, (variant, library), &|| false)?;
     Ok(())
-}
-
-/// Checks that a folder can be created, or written to.
-pub(crate) fn check_folder(folder: &Path) -> Result<(), String> {
-    let existing = folder.ancestors().find(|folder| folder.exists()).unwrap_or(Path::new("."));
-    let existing = if existing.as_os_str().is_empty() { Path::new(".") } else { existing };
-    let possible = match folder.metadata() {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
-        _ => probe(existing),
-    };
-    possible.map_err(|error| match existing.is_dir() {
-        true => format!("{}: {error}; nothing was written", folder.display()),
-        false => format!("{}: it is a file; name a folder; nothing was written", existing.display()),
-    })
-}
-
-/// Absolute path, printable on one line.
-pub(crate) fn absolute(path: &Path) -> String {
-    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
-    words::line(&path.to_string_lossy()).into_owned()
 }

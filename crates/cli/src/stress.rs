@@ -1,6 +1,6 @@
 //! `stress`: the method at the limits of its ranges on the device at hand, or a scene at the limits of its parameters.
 
-use super::compare::Failed;
+use super::ending::Failed;
 use super::scene_arguments::{ObjectFlags, SceneArguments};
 use super::{absolute, announced, say};
 use clap::Args;

@@ -3,6 +3,7 @@
 use hypertexture_support::words;
 use serde::Serialize;
 use std::io::Write;
+use std::path::Path;
 use std::sync::OnceLock;
 
 /// Most characters of an error line; characters kept at both ends of a longer line, and of a long word in it.
@@ -29,6 +30,12 @@ pub fn say(text: &str) {
 pub(crate) fn say_json(value: &impl Serialize) -> Result<(), serde_json::Error> {
     say(&words::json(&format!("{}\n", serde_json::to_string_pretty(value)?)));
     Ok(())
+}
+
+/// Absolute path, printable on one line.
+pub(crate) fn absolute(path: &Path) -> String {
+    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    words::line(&path.to_string_lossy()).into_owned()
 }
 
 /// Discards lines, in place of [`say`].

@@ -1,7 +1,7 @@
 //! `verify`: analytic cases on the device at hand, or a picture compared with its scene.
 
-use super::compare::Failed;
-use super::picture::say_fault;
+use super::ending::Failed;
+use super::faults::say_fault;
 use super::scene_arguments::reach;
 use super::stress::conclude;
 use super::{announced, say, say_json};

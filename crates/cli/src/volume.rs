@@ -1,9 +1,10 @@
 //! `volume`: the density, extinction and color of a hypertextured object, as a fog volume.
 
-use super::picture::say_fault;
+use super::faults::say_fault;
+use super::frame_object::FrameObject;
+use super::frames::Times;
 use super::prepared::{CheckedScene, Outputs, Preparation, Prepared};
 use super::scene_arguments::{ObjectFlags, SceneArguments};
-use super::sequence::{FrameObject, Times};
 use super::{absolute, say, say_json, with_device, with_progress};
 use clap::Args;
 use glam::{DMat3, DVec3, Mat3};

@@ -2,7 +2,7 @@
 
 use super::bench::Bench;
 use super::probes::LOOPS;
-use crate::sequence::stop_flag;
+use crate::ending::stop_flag;
 use hypertexture::gpu::{Gpu, GpuError, Options, ending};
 use hypertexture::shader::{self, Linker};
 use std::io::{BufRead, BufReader};
