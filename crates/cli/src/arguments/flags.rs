@@ -8,6 +8,9 @@ use hypertexture::scene::{Scene, SceneError};
 /// Limit of a range from which on help does not print it.
 const WIDE: f32 = 1e6;
 
+/// Flags of the short help.
+const SHORT: [&str; 5] = ["iso", "light", "resolution", "samples", "size"];
+
 /// Settings given by flags, as written: those of objects, or all others.
 #[derive(Clone, Default)]
 pub struct Flags<const OBJECT: bool>(Vec<(&'static Setting, String)>);
@@ -69,7 +72,8 @@ fn argument(setting: &'static Setting, flag: Flag) -> Arg {
         (Kind::Number(range) | Kind::Numbers(_, range), _) if range.high >= WIDE => doc.into(),
         (_, limits) => format!("{doc} [{limits}{none}]"),
     };
-    let mut argument = Arg::new(flag.name).long(flag.name).value_name(name).help(help);
+    let argument = Arg::new(flag.name).long(flag.name).value_name(name);
+    let mut argument = argument.help(first_clause(&help)).long_help(help).hide_short_help(!SHORT.contains(&flag.name));
     argument = match setting.kind {
         Kind::Number(_) | Kind::Whole(_) => argument.allow_negative_numbers(true),
         Kind::Numbers(..) => argument.allow_hyphen_values(true),
@@ -85,6 +89,12 @@ fn argument(setting: &'static Setting, flag: Flag) -> Arg {
         Some(alone) => argument.num_args(0..=1).require_equals(true).default_missing_value(alone),
         None => argument,
     }
+}
+
+/// The first clause of a help text, without limits.
+fn first_clause(help: &str) -> String {
+    let end = [". ", ": ", "; ", " ["].iter().filter_map(|end| help.find(end)).min().unwrap_or(help.len());
+    help[..end].trim_end_matches('.').into()
 }
 
 impl<const OBJECT: bool> Args for Flags<OBJECT> {
@@ -113,5 +123,16 @@ impl<const OBJECT: bool> FromArgMatches for Flags<OBJECT> {
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
         *self = Self::from_arg_matches(matches)?;
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn short_help_names_flags_of_settings() {
+        let flags: Vec<&str> = SETTINGS.iter().filter_map(|setting| Some(setting.flag?.name)).collect();
+        assert!(SHORT.iter().all(|name| flags.contains(name)), "{flags:?}");
     }
 }

@@ -35,11 +35,13 @@ impl ShardChoice {
 /// Arguments of many frames.
 #[derive(Args)]
 pub struct Times {
-    /// Make the frames A to B, both included, at time + k / fps seconds; `####` in the output is the number.
+    /// Make the frames A to B, both included, at time + k / fps seconds.
+    ///
+    /// `####` in the output is the number.
     #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
     pub frames: Option<Frames>,
     /// Frames per second [default: 25].
-    #[arg(long, requires = "frames", allow_negative_numbers = true)]
+    #[arg(long, requires = "frames", allow_negative_numbers = true, hide_short_help = true)]
     pub fps: Option<f64>,
 }
 
@@ -70,13 +72,13 @@ pub struct Motion {
     #[command(flatten)]
     pub times: Times,
     /// Turn the camera once around the object, from the first frame to the one after the last.
-    #[arg(long, requires = "frames")]
+    #[arg(long, requires = "frames", hide_short_help = true)]
     pub turntable: bool,
     /// Render frames again that are finished.
-    #[arg(long, requires = "frames")]
+    #[arg(long, requires = "frames", hide_short_help = true)]
     pub restart: bool,
     /// Write all frames into one PNG, --output, and their places into a .json beside it.
-    #[arg(long, requires = "frames", value_name = "COLUMNSxROWS", conflicts_with = "shard")]
+    #[arg(long, requires = "frames", value_name = "COLUMNSxROWS", conflicts_with = "shard", hide_short_help = true)]
     pub sprite_sheet: Option<Sheet>,
 }
 

@@ -40,23 +40,27 @@ pub struct SceneArguments {
     #[arg(long, value_name = "NAME")]
     pub effect: Option<String>,
     /// A debug view.
-    #[arg(long, value_enum)]
+    #[arg(long, value_enum, hide_short_help = true)]
     pub debug_view: Option<DebugView>,
-    /// A parameter of the effect, or any field of a scene file. Examples: fineness=60, light.color=#ffe0c0, and
-    /// parts.OBJECT.PARAMETER=VALUE for an additional object. May be given again.
+    /// A parameter of the effect, or any field of a scene file.
+    ///
+    /// Examples: fineness=60, light.color=#ffe0c0, and parts.OBJECT.PARAMETER=VALUE for an additional object. May be
+    /// given again.
     #[arg(long = "set", value_name = "PARAMETER=VALUE")]
     pub parameters: Vec<String>,
-    /// The density modulation functions, applied in this order: names, or custom GLSL files, such as fur+my_waves.glsl.
+    /// The density modulation functions, applied in this order.
+    ///
+    /// Names, or custom GLSL files, such as fur+my_waves.glsl.
     #[arg(long, value_name = "NAMES")]
     pub dmf: Option<String>,
     /// The module of a slot, such as noise=procedural or surface=my_marble.glsl; may be given again.
-    #[arg(long = "module", value_name = "SLOT=NAME")]
+    #[arg(long = "module", value_name = "SLOT=NAME", hide_short_help = true)]
     pub modules: Vec<String>,
     /// Degrees around the object and above the horizon, and how close.
     #[arg(long, value_parser = numbers, value_name = "DEG,DEG[,ZOOM]", allow_hyphen_values = true)]
     pub camera: Option<Numbers>,
     /// Let a scene file or a picture name files that are neither below its folder nor below the current one.
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     pub outside: bool,
     /// Settings with a flag.
     #[command(flatten)]
@@ -122,8 +126,8 @@ impl SceneArguments {
         Ok(self.request(input, object)?.moving.moment()?.into_owned())
     }
 
-    /// Scene of an input with the arguments applied: a scene file, the scene of a picture, an example scene, or the preset of the
-    /// effect.
+    /// Scene of an input with the arguments applied: a scene file, the scene of a picture, an example scene, or the preset
+    /// of the effect.
     pub fn request(&self, input: &str, object: &ObjectFlags) -> Result<RequestedScene, Box<dyn Error>> {
         let mut scene = self.start(input)?;
         let is_file = Path::new(input).extension().is_some_and(|end| end.eq_ignore_ascii_case("toml"));

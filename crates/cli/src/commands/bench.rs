@@ -18,7 +18,9 @@ const LONGEST: u64 = 16 << 20;
 /// Arguments of `bench`.
 #[derive(Args)]
 pub struct Bench {
-    /// Only rows whose name contains one of these, such as effects, fur or "growth/"; by default all.
+    /// Only rows whose name contains one of these, such as effects, fur or "growth/".
+    ///
+    /// By default all.
     #[arg(value_name = "ROWS")]
     rows: Vec<String>,
     /// Fewer runs, and no picture above 300 x 300: a minute or two on two cores.
@@ -30,11 +32,14 @@ pub struct Bench {
     /// Timed runs of each row, 1 to 1000 [default: 7; quick: 3].
     #[arg(long, value_name = "RUNS")]
     repeat: Option<usize>,
-    /// Also writes all times into this file; without a file, prints them in place of the table.
+    /// Also writes all times into this file.
+    ///
+    /// Without a file, prints them in place of the table.
     #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
     json: Option<PathBuf>,
-    /// Compare with this file, written by --json on the same device. The exit code is 1 if
-    /// a row got slower.
+    /// Compare with this file, written by --json on the same device.
+    ///
+    /// The exit code is 1 if a row got slower.
     #[arg(long, value_name = "FILE")]
     baseline: Option<PathBuf>,
 }

@@ -34,34 +34,41 @@ const SIZE: [u32; 2] = [128, 128];
 /// Arguments of `compare`.
 #[derive(Args)]
 pub struct Compare {
-    /// An object, a scene file (.toml), or an effect or example scene such as fire; with --paper, the object [default: teapot].
+    /// An object, a scene file (.toml), or an effect or example scene such as fire.
+    ///
+    /// With --paper, the object [default: teapot].
     #[arg(value_name = "SCENE", required_unless_present = "paper")]
     input: Option<String>,
-    /// Replay the tables of Miller and Jones 2005: frames per second of six effects and four sources of turbulence, with errors,
-    /// beside the printed ones; on --samples slices [default: 128].
+    /// Replay the tables of Miller and Jones 2005.
+    ///
+    /// Frames per second of six effects and four sources of turbulence, with errors, beside the printed ones; on
+    /// --samples slices [default: 128].
     #[arg(long, conflicts_with_all = ["effect", "debug_view", "sweep", "strategies", "pass", "integration", "msaa", "anisotropy"])]
     pub paper: bool,
     /// With --paper: scale of the paper's windows in width and height. It leaves out the largest block of noise.
-    #[arg(long, requires = "paper", value_name = "PART")]
+    #[arg(long, requires = "paper", value_name = "PART", hide_short_help = true)]
     pub scale: Option<f64>,
     /// Folder of the report.
     #[arg(long, short, default_value = "compare", value_name = "FOLDER")]
     pub output: PathBuf,
-    /// Try every candidate, block and format, with up to 512 samples. Without this and --sweep, the front of the
-    /// scene's own noise doubles its samples up to an error of 0.001, for at most 60 seconds. With --paper, all windows in place
-    /// of 300 x 300 without smoothing.
+    /// Try every candidate, block and format, with up to 512 samples.
+    ///
+    /// Without this and --sweep, the front of the scene's own noise doubles its samples up to an error of 0.001, for at
+    /// most 60 seconds. With --paper, all windows in place of 300 x 300 without smoothing.
     #[arg(long)]
     pub thorough: bool,
     /// Write a live page of each picture of the fronts too.
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     pub web: bool,
     /// Timed runs of each candidate, at most, 1 to 1000 [default: 7; thorough: 31].
-    #[arg(long, value_name = "RUNS")]
+    #[arg(long, value_name = "RUNS", hide_short_help = true)]
     pub repeat: Option<usize>,
     /// Samples to try, such as 32,64,128.
     #[arg(long, value_delimiter = ',', value_name = "LIST")]
     pub sweep: Option<Vec<u32>>,
-    /// Strategies of turbulence and noise to try, such as encoded,procedural.
+    /// Strategies of turbulence and noise to try.
+    ///
+    /// Such as encoded,procedural.
     #[arg(long, value_delimiter = ',', value_name = "LIST")]
     pub strategies: Option<Vec<String>>,
     /// The object.

@@ -16,13 +16,17 @@ pub struct Convert {
     /// The grid of an OpenVDB file with several.
     #[arg(long, value_name = "NAME", conflicts_with = "dims")]
     pub grid: Option<String>,
-    /// Output: .nrrd, .mha, .nii, .nii.gz, .vdb or .npy; of a mesh .stl, .ply, .obj or .glb.
+    /// Output: .nrrd, .mha, .nii, .nii.gz, .vdb or .npy.
+    ///
+    /// Of a mesh .stl, .ply, .obj or .glb.
     #[arg(long, short, value_name = "FILE")]
     pub output: PathBuf,
     /// Number of values along x, y and z, x fastest, of a file without a header.
     #[arg(long, value_delimiter = ',', value_name = "X,Y,Z")]
     pub dims: Option<Vec<u32>>,
-    /// Type of values without a header: uint8, int8, uint16, int16, uint32, int32, uint64, int64, float32 or float64.
+    /// Type of values without a header.
+    ///
+    /// One of uint8, int8, uint16, int16, uint32, int32, uint64, int64, float32 and float64.
     #[arg(long = "type", requires = "dims", value_name = "TYPE")]
     pub kind: Option<SampleType>,
     /// Byte order of the values.

@@ -23,7 +23,9 @@ use std::path::{Path, PathBuf};
 pub struct Web {
     /// An object, a scene file, an example scene, or a picture of this program.
     pub input: String,
-    /// Output folder, or file with --single-file [default: page or page.html].
+    /// Output folder, or file with --single-file.
+    ///
+    /// [default: page or page.html]
     #[arg(long, short, value_name = "PATH")]
     pub output: Option<PathBuf>,
     /// Write one file, which also works from disk.

@@ -24,7 +24,9 @@ pub struct Field {
     /// The object.
     #[command(flatten)]
     pub object: ObjectFlags,
-    /// Margin around the object; 1 is half of its longest side.
+    /// Margin around the object.
+    ///
+    /// 1 is half of its longest side.
     #[arg(long, default_value_t = 0.25, allow_negative_numbers = true)]
     pub margin: f32,
 }

@@ -17,24 +17,32 @@ use std::path::{Path, PathBuf};
 /// Arguments of `groom`.
 #[derive(Args)]
 pub struct GroomArguments {
-    /// An object, a scene file or an example scene. Channels that are not given are those of its groom.
+    /// An object, a scene file or an example scene.
+    ///
+    /// Channels that are not given are those of its groom.
     pub input: String,
     /// Output.
     #[arg(long, short, default_value = "groom.nrrd", value_name = "FILE")]
     pub output: PathBuf,
-    /// Factor of the length, 0 to 2: an expression in GLSL of x, y, z and p in object space, such as "y > 0.2 ? 0.3 : 1.0", or a volume.
+    /// Factor of the length, 0 to 2.
+    ///
+    /// An expression in GLSL of x, y, z and p in object space, such as "y > 0.2 ? 0.3 : 1.0", or a volume.
     #[arg(long, value_name = "EXPRESSION", allow_hyphen_values = true)]
     pub length: Option<String>,
     /// Factor of the density, 0 to 2.
     #[arg(long, value_name = "EXPRESSION", allow_hyphen_values = true)]
     pub density: Option<String>,
-    /// Color: 0 is black, 1 the effect's own, 2 full; such as "vec3(2, 1, 1)", or a mesh with colors of its vertices or materials.
+    /// Color: 0 is black, 1 the effect's own, 2 full.
+    ///
+    /// Such as "vec3(2, 1, 1)", or a mesh with colors of its vertices or materials.
     #[arg(long, value_name = "EXPRESSION", allow_hyphen_values = true)]
     pub color: Option<String>,
     /// Tangent along which strands are combed, -1 to 1 along each axis.
     #[arg(long, value_name = "EXPRESSION", allow_hyphen_values = true)]
     pub direction: Option<String>,
-    /// Voxels along a side, 32 to 256 [default: 96, or those of the scene's groom].
+    /// Voxels along a side, 32 to 256.
+    ///
+    /// [default: 96, or those of the scene's groom]
     #[arg(long, value_name = "NUMBER")]
     pub side: Option<u32>,
     /// The object.

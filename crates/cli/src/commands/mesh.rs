@@ -30,7 +30,7 @@ pub struct Mesh {
     #[arg(long, default_value_t = 128)]
     pub grid: u32,
     /// Drop bodies whose volume is less: cubic world units, or a part of the largest, as 0.1%.
-    #[arg(long, value_name = "VOLUME_OR_FRACTION", value_parser = smallest)]
+    #[arg(long, value_name = "VOLUME_OR_FRACTION", value_parser = smallest, hide_short_help = true)]
     pub smallest: Option<Smallest>,
     /// The frames.
     #[command(flatten)]

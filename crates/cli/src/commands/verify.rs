@@ -33,13 +33,17 @@ pub struct Verify {
     /// Seed of the choice of pixels.
     #[arg(long, default_value_t = 0, requires = "image")]
     pub seed: u64,
-    /// Largest error of linear light: rmse, or rgb over a background; without it, 0.1 plus `quality.early_termination`.
+    /// Largest error of linear light: rmse, or rgb over a background.
+    ///
+    /// Without it, 0.1 plus `quality.early_termination`.
     #[arg(long, requires = "image", value_parser = bound)]
     pub bound: Option<f64>,
     /// Prints one JSON object.
     #[arg(long)]
     pub json: bool,
-    /// Lets the picture name any file. Without this, its files must be below its folder or the current one.
+    /// Lets the picture name any file.
+    ///
+    /// Without this, its files must be below its folder or the current one.
     #[arg(long, requires = "image")]
     pub outside: bool,
 }

@@ -13,11 +13,14 @@ use std::time::Instant;
 /// Arguments of `view`.
 #[derive(Args)]
 pub struct ViewArguments {
-    /// An object, a scene file (.toml) or an example scene. An object is built in, a mesh, a scalar volume or a distance field.
-    /// fire_ball is an example scene.
+    /// An object, a scene file (.toml) or an example scene.
+    ///
+    /// An object is built in, a mesh, a scalar volume or a distance field. fire_ball is an example scene.
     #[arg(default_value = "furry_donut")]
     pub input: String,
-    /// RMS error at which a picture at rest has converged [default: 0.001].
+    /// RMS error at which a picture at rest has converged.
+    ///
+    /// [default: 0.001]
     #[arg(long, value_name = "RMSE", value_parser = error)]
     pub max_error: Option<f64>,
     /// Let time run from the beginning.
@@ -27,10 +30,10 @@ pub struct ViewArguments {
     #[arg(long, default_value = "1280x800", value_parser = window, value_name = "WxH")]
     pub window: [u32; 2],
     /// End after this number of frames behind the first picture.
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(long, value_name = "NUMBER", hide_short_help = true)]
     pub frames: Option<u32>,
     /// Write the picture of `render` after those frames or once the picture has converged, then end.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", hide_short_help = true)]
     pub screenshot: Option<PathBuf>,
     /// Run a script.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["frames", "screenshot"], hide = true)]

@@ -30,7 +30,9 @@ const COARSE: f64 = 0.02;
 pub struct Volume {
     /// An object, a scene file, an example scene, or a picture of this program.
     pub input: String,
-    /// Output: .vdb, or the density alone as .nrrd or .npy.
+    /// Output: .vdb, .nrrd or .npy.
+    ///
+    /// The last two hold the density alone.
     #[arg(long, short, default_value = "volume.vdb", value_name = "FILE")]
     pub output: PathBuf,
     /// Voxels along the longest side, 8 to 2048.

@@ -1,9 +1,9 @@
 //! Shell completions and manual pages, generated from the arguments.
 
-use super::{brief, command_line};
+use super::command_line::{self, Arguments};
 use crate::session::check_folder;
 use crate::terminal::{absolute, say};
-use clap::Command;
+use clap::{Command, CommandFactory};
 use clap_complete::Shell;
 use clap_mangen::Man;
 use hypertexture::scene::SceneError;
@@ -15,7 +15,7 @@ use std::path::Path;
 
 /// Completion script of a shell.
 pub fn completions(shell: Shell) -> String {
-    let program = brief::command();
+    let program = Arguments::command();
     let mut shown =
         Command::new("hypertexture").args(program.get_arguments().cloned()).subcommands(commands(&program).cloned());
     let mut bytes = Vec::new();
@@ -66,7 +66,7 @@ fn write_pages(folder: &Path) -> Result<(), Box<dyn Error>> {
 
 /// The command line without clap's command `help`, which prints the same texts.
 fn program() -> Command {
-    let mut program = brief::command().disable_help_subcommand(true);
+    let mut program = Arguments::command().disable_help_subcommand(true);
     program.build();
     program
 }
@@ -85,9 +85,7 @@ fn rendered(command: &Command) -> io::Result<Vec<u8>> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::command_line::Arguments;
     use super::*;
-    use clap::CommandFactory;
     use std::collections::BTreeSet;
     use std::fs;
 

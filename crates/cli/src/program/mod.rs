@@ -1,6 +1,5 @@
 //! The program: arguments to calls, errors to one line and an exit code.
 
-mod brief;
 mod command_line;
 #[cfg(all(test, feature = "viewer"))]
 mod docs_tests;
@@ -20,6 +19,7 @@ use crate::commands::{
 };
 use crate::session::{FAILED, Failed, INTERRUPTED, Interrupted, gpu_error};
 use crate::terminal::{UNSAID, complain, say, say_json, start_log};
+use clap::Parser;
 use clap::error::ErrorKind;
 use command_line::{Arguments, Command};
 use hypertexture::gpu::{GpuError, Options, ending};
@@ -43,7 +43,7 @@ const BAD_INPUT: u8 = 2;
 
 /// The program: arguments to calls, errors to one line and an exit code.
 pub fn main() -> ExitCode {
-    let arguments = match brief::parse() {
+    let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) => {
             say(&error.render().to_string());

@@ -229,7 +229,7 @@ fn what_the_replay_needs_is_said_in_one_line() {
         let said = String::from_utf8(output.stderr).unwrap();
         assert!(output.status.code() == Some(2) && said.contains(part), "{arguments}: {:?} {said}", output.status);
     }
-    let help = String::from_utf8(run(desk.path(), "compare --help-all").stdout).unwrap();
+    let help = String::from_utf8(run(desk.path(), "compare --help").stdout).unwrap();
     assert!(help.contains("--paper") && help.contains("Miller and Jones 2005"), "{help}");
 }
 

@@ -409,10 +409,10 @@ fn every_effect_is_listed_with_its_parameters() {
 #[test]
 fn help_and_version_succeed() {
     let desk = Desk::new();
-    for arguments in ["--help", "render --help", "field --help", "gallery --help-all", "help"] {
+    for arguments in ["-h", "--help", "render -h", "field -h", "gallery --help", "help", "help render"] {
         assert!(desk.good(arguments).contains("Usage: hypertexture"), "{arguments}");
     }
-    let [short, all] = ["render --help", "render --help-all"].map(|line| desk.good(line));
+    let [short, all] = ["render -h", "render --help"].map(|line| desk.good(line));
     assert!(short.lines().count() <= 30 && short.contains("Examples:") && !short.contains("--restart"), "{short}");
     assert!(all.contains("--restart"), "{all}");
     assert_eq!(desk.good("--version"), format!("hypertexture {}\n", env!("CARGO_PKG_VERSION")));

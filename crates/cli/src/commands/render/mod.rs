@@ -39,45 +39,50 @@ use validity::write_validity;
 /// Arguments of `render`.
 #[derive(Args)]
 pub struct Render {
-    /// An object, a scene file (.toml), an example scene such as fire_ball, or a picture. An object is built in, a mesh, a scalar
-    /// volume or a distance field; a picture of this program holds its scene.
+    /// An object, a scene file (.toml), an example scene such as fire_ball, or a picture.
+    ///
+    /// An object is built in, a mesh, a scalar volume or a distance field; a picture of this program holds its scene.
     pub input: String,
-    /// Output, .png or .exr; with --frames also .webp, .gif or .apng, of PNG files beside it. - is standard output, as PNG.
+    /// Output, .png or .exr.
+    ///
+    /// With --frames also .webp, .gif or .apng, of PNG files beside it. - is standard output, as PNG.
     #[arg(long, short, default_value = "out.png", value_name = "FILE")]
     pub output: PathBuf,
     /// Bits of each channel of a PNG.
-    #[arg(long, default_value = "8", value_parser = ["8", "16"])]
+    #[arg(long, default_value = "8", value_parser = ["8", "16"], hide_short_help = true)]
     pub depth: String,
     /// Print JSON.
     #[arg(long)]
     pub json: bool,
     /// Write the scene in use, complete with defaults.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", hide_short_help = true)]
     pub save_scene: Option<PathBuf>,
     /// Predict the cost from smaller pictures, without writing a file.
     #[arg(long, conflicts_with_all = ["frames", "shard"])]
     pub predict: bool,
-    /// Draw with the fastest settings within this error, such as 1e-3. They replace the scene's settings for accuracy.
+    /// Draw with the fastest settings within this error, such as 1e-3.
+    ///
+    /// They replace the scene's settings for accuracy.
     #[arg(long, value_name = "ERROR", conflicts_with = "shard")]
     pub max_error: Option<f64>,
     /// Metric of --max-error: rmse (linear RGBA), covered (rmse of covered pixels), rgb, opacity, max, p999.
-    #[arg(long, default_value = "rmse", value_parser = metric, requires = "max_error")]
+    #[arg(long, default_value = "rmse", value_parser = metric, requires = "max_error", hide_short_help = true)]
     pub metric: Metric,
     /// Write the error of each pixel against the f64 reference: .exr (absolute error of premultiplied linear RGBA, `estimate`, the
     /// estimated error of the reference, and `open`, opacity that its samples may have overlooked) or .png (colors, from 1e-5 to 1).
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["frames", "shard", "predict"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["frames", "shard", "predict"], hide_short_help = true)]
     pub error_map: Option<PathBuf>,
     /// Write doubtful pixels in the color of their cause, as .png: pixels that change when samples, parts of a pixel, voxels or formats
     /// improve, and pixels that the bounds of the f64 reference leave open.
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["frames", "shard", "predict"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["frames", "shard", "predict"], hide_short_help = true)]
     pub validity: Option<PathBuf>,
     /// Write the depth of each pixel as .exr: channel `Z` is the distance from the eye along the axis of view, in object
     /// units, at which a ray through the middle of the pixel meets an opacity of 1/2, infinite where it meets less.
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["frames", "shard", "predict"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["frames", "shard", "predict"], hide_short_help = true)]
     pub depth_map: Option<PathBuf>,
     /// Render part K, from 0 to N - 1, of a picture or of the frames; without a value, the part that Slurm or
     /// Kubernetes gives to this process.
-    #[arg(long, value_name = "K/N", num_args = 0..=1, default_missing_value = "auto", value_parser = shard)]
+    #[arg(long, value_name = "K/N", num_args = 0..=1, default_missing_value = "auto", value_parser = shard, hide_short_help = true)]
     pub shard: Option<ShardChoice>,
     /// Frames.
     #[command(flatten)]
