@@ -231,7 +231,7 @@ impl Commands<'_> {
     }
 
     /// Runs `groups` groups of a compute pipeline that writes words, with the constants of `glsl/block.comp`.
-    pub fn write_words(&mut self, pipeline: &Pipeline, set: &BindSet, constants: [u32; 4], groups: u32) {
+    pub(crate) fn write_words(&mut self, pipeline: &Pipeline, set: &BindSet, constants: [u32; 4], groups: u32) {
         let device = &self.gpu.0.device;
         // SAFETY: as for `dispatch`.
         unsafe {
@@ -245,7 +245,7 @@ impl Commands<'_> {
     }
 
     /// Copies written words into planes of a mip level of a sampled image, and transitions the image for sampling.
-    pub fn copy_planes(&mut self, from: &Buffer, to: &Image, mip_level: u32, planes: Range<u32>) {
+    pub(crate) fn copy_planes(&mut self, from: &Buffer, to: &Image, mip_level: u32, planes: Range<u32>) {
         use vk::{AccessFlags2 as Access, PipelineStageFlags2 as Stage};
         let written = [vk::MemoryBarrier2::default()
             .src_stage_mask(Stage::COMPUTE_SHADER)

@@ -142,7 +142,7 @@ impl HostCommands<'_> {
     }
 
     /// Whether there is an image for the depth.
-    pub fn has_depth(&self) -> bool {
+    pub(crate) fn has_depth(&self) -> bool {
         self.depth.is_some()
     }
 

@@ -76,7 +76,7 @@ impl Image {
     ///
     /// # Errors
     /// As [`Image::new`].
-    pub fn with_texels(
+    pub(crate) fn with_texels(
         gpu: &Gpu,
         name: &str,
         dimension: Dimension,
@@ -217,7 +217,7 @@ impl Image {
     ///
     /// # Panics
     /// If an area is empty or exceeds the image.
-    pub fn read_areas(&self, areas: &[Area], buffer: &mut Option<Buffer>) -> Result<Vec<[f32; 4]>, GpuError> {
+    pub(crate) fn read_areas(&self, areas: &[Area], buffer: &mut Option<Buffer>) -> Result<Vec<[f32; 4]>, GpuError> {
         let vk::Extent3D { width, height, .. } = self.extent;
         let within = |area: &Area| area.pixels() > 0 && area.columns.end <= width && area.rows.end <= height;
         assert!(areas.iter().all(within), "{areas:?} of {width} x {height}");

@@ -37,7 +37,7 @@ pub use measurements::{Frame, Measurements};
 pub use portable::{
     Portable, PortableImage, PortableMotion, PortableParameter, PortableProgram, PortableSampler, widest,
 };
-pub use subject::{Subject, SubjectRequest, field_margin, open, request};
+pub use subject::{Subject, SubjectRequest, open, request};
 pub use variant::{Blocks, OCTAVES_ID};
 pub use volume::{
     VoxelError, VoxelExtinction, VoxelFit, VoxelGrids, VoxelLeaf, VoxelPlan, VoxelReport, lit_media, voxelize,

@@ -16,7 +16,7 @@ pub enum File {
 
 /// A register, with a value for each lane or a uniform one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Reg {
+pub(crate) struct Reg {
     pub file: File,
     pub uniform: bool,
     pub index: u32,
@@ -64,7 +64,7 @@ pub enum Op {
 
 /// An instruction. The first `count` of `sources` are its operands; the others repeat the first.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Instr {
+pub(crate) struct Instr {
     pub op: Op,
     pub signed: bool,
     pub masked: bool,
@@ -94,7 +94,7 @@ impl PartialEq for At {
 
 /// A texture lookup.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Lookup {
+pub(crate) struct Lookup {
     /// Index of [`Code::images`].
     pub image: usize,
     /// Coordinates, then the level if there is one.
@@ -237,7 +237,7 @@ impl Instr {
     }
 
     /// Whether the result is in `dst`.
-    pub fn has_dst(&self) -> bool {
+    pub(crate) fn has_dst(&self) -> bool {
         !matches!(self.op, Op::Sample | Op::Fetch | Op::Nop)
     }
 }
@@ -269,7 +269,7 @@ impl Code {
     }
 
     /// Calls `on` with every register that is read, to rename it.
-    pub fn each_read(&mut self, on: &dyn Fn(&mut Reg)) {
+    pub(crate) fn each_read(&mut self, on: &dyn Fn(&mut Reg)) {
         self.instrs.iter_mut().flat_map(|instr| &mut instr.sources).for_each(on);
         self.tables.iter_mut().flatten().for_each(on);
         self.lookups.iter_mut().flat_map(|lookup| &mut lookup.at).for_each(on);
@@ -291,7 +291,7 @@ impl Node {
     }
 
     /// Calls `on` with every condition and selector, in order.
-    pub fn each_condition(&mut self, on: &dyn Fn(&mut Reg)) {
+    pub(crate) fn each_condition(&mut self, on: &dyn Fn(&mut Reg)) {
         match self {
             Node::If { condition, .. } => on(condition),
             Node::Loop(node) => node.break_if.iter_mut().for_each(on),

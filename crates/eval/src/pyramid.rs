@@ -7,7 +7,7 @@ pub const FEW: usize = 3;
 
 /// Minima and maxima of cubes with sides of 2, 4, 8 and more texels.
 #[derive(Debug)]
-pub struct Pyramid {
+pub(crate) struct Pyramid {
     levels: Vec<Level>,
 }
 
@@ -18,7 +18,7 @@ struct Level {
 }
 
 /// Minimum and maximum of each channel.
-pub type Extremes = [[f32; 4]; 2];
+pub(crate) type Extremes = [[f32; 4]; 2];
 
 /// The extremes of a range of elements of a grid.
 pub fn range(size: [usize; 3], [x, y, z]: [[usize; 2]; 3], at: impl Fn(usize) -> Extremes) -> Extremes {

@@ -119,7 +119,7 @@ pub fn definitions(text: &str) -> BTreeSet<String> {
 }
 
 /// Whether a file defines a mutable global variable, which objects must not share.
-pub fn has_state(text: &str) -> bool {
+pub(crate) fn has_state(text: &str) -> bool {
     let plain: String = text.lines().filter(|line| !line.starts_with('#')).flat_map(|line| [line, "\n"]).collect();
     let (mut braces, mut statement) = (0, Vec::new());
     for word in words(&plain) {

@@ -10,9 +10,9 @@ pub type Slots = BTreeMap<String, Vec<String>>;
 /// Name of the scene's main object in formulas.
 pub const MAIN: &str = "main";
 /// Slot of the generated uniform block of all parameters.
-pub const PARAMETERS: &str = "parameters";
+pub(crate) const PARAMETERS: &str = "parameters";
 /// Slot of the generated classification of several objects.
-pub const OBJECTS: &str = "objects";
+pub(crate) const OBJECTS: &str = "objects";
 /// Key in [`Slots`] of the formula that combines the objects.
 pub const FORMULA: &str = "combine";
 /// Key in [`Slots`] of the names folded to 0: parameters and members of the block in `part.glsl`, as `object.name` for additional
@@ -27,15 +27,15 @@ pub const GROOM: &str = "groom";
 /// Slot of the wind.
 pub const WIND: &str = "wind";
 /// Slots that a choice may leave out; they then have the module [`NONE`], which adds no line to a program.
-pub const OPTIONAL: [&str; 2] = [GROOM, WIND];
+pub(crate) const OPTIONAL: [&str; 2] = [GROOM, WIND];
 /// Module of an optional slot without effect.
 pub const NONE: &str = "none";
 /// Slot that colors soft matter.
 pub const MEDIUM: &str = "medium";
 /// Functions of a medium: its color, and optionally its extinction relative to the scene's rate.
-pub const MEDIUM_FUNCTIONS: [&str; 2] = [MEDIUM, "extinction"];
+pub(crate) const MEDIUM_FUNCTIONS: [&str; 2] = [MEDIUM, "extinction"];
 /// Entry file of each of several objects.
-pub const OBJECT_ENTRY: &str = "one_of_several.glsl";
+pub(crate) const OBJECT_ENTRY: &str = "one_of_several.glsl";
 
 /// Names of the additional objects of a scene.
 pub fn objects(choice: &Slots) -> BTreeSet<&str> {

@@ -24,7 +24,7 @@ pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Weighted root mean square; 0 without values.
-pub fn weighted_rms(values: impl Iterator<Item = (f64, f64)>) -> f64 {
+pub(crate) fn weighted_rms(values: impl Iterator<Item = (f64, f64)>) -> f64 {
     let (sum, count) = values.fold((0.0, 0.0), |(sum, count), (value, w)| (sum + w * value * value, count + w));
     if count == 0.0 { 0.0 } else { (sum / count).sqrt() }
 }
@@ -42,7 +42,7 @@ pub fn quantile(mut values: Vec<f64>, share: f64) -> f64 {
 }
 
 /// Smallest value that at most a share `above` of the weight exceeds; 0 without values.
-pub fn weighted_quantile(mut values: Vec<(f64, f64)>, above: f64) -> f64 {
+pub(crate) fn weighted_quantile(mut values: Vec<(f64, f64)>, above: f64) -> f64 {
     values.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut above = above * values.iter().map(|(_, weight)| weight).sum::<f64>();
     let first_below = values.iter().find(|(_, weight)| {

@@ -1,6 +1,6 @@
 //! Untrusted pixels of a picture, and the settings that cause their errors.
 //!
-//! Role: renders the picture again with one setting improved at a time, or perturbed by rounding ([`CAUSES`]). A pixel that
+//! Role: renders the picture again with one setting improved at a time, or perturbed by rounding (`CAUSES`). A pixel that
 //! changes visibly is untrusted, and its cause is the setting that changes it most. Bounds of the reference show matter that
 //! all renderings miss ([`OPEN`]). Invariant: scenes and custom modules need not cooperate.
 
@@ -51,7 +51,7 @@ const ROUNDED_PLACE: &str = "place * (1.0 + 2.4e-7)";
 const TURNED: &str = "place + vec3(2e-5, -1e-5, 1.5e-5)";
 
 /// The causes, in colors for color-blind readers (Okabe and Ito 2008; the last two Krzywinski 2012).
-pub const CAUSES: [Cause; 9] = [
+pub(crate) const CAUSES: [Cause; 9] = [
     Cause {
         name: "target",
         why: "the format that slices are blended in stalls: quality.target = \"float32\"",

@@ -32,7 +32,7 @@ impl Period {
     }
 
     /// Period of an octave, in its cells.
-    pub fn of_octave(self, octave: u32) -> u32 {
+    pub(crate) fn of_octave(self, octave: u32) -> u32 {
         self.cells << if self.growing { octave & (self.cycle - 1) } else { 0 }
     }
 }

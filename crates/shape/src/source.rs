@@ -27,7 +27,7 @@ pub(super) struct Source<'a> {
     pub len: u64,
     /// Bytes consumed so far.
     pub offset: u64,
-    /// Lines consumed so far by [`Source::next_line`].
+    /// Lines consumed so far by `Source::next_line`.
     pub line: u64,
     /// Line terminator, detected in the first line.
     end: u8,
@@ -133,7 +133,7 @@ impl<'a> Source<'a> {
     }
 
     /// Takes over the notes and files of a part of this source.
-    pub fn adopt(&self, part: &Source) {
+    pub(crate) fn adopt(&self, part: &Source) {
         part.notes.take().into_iter().for_each(|note| self.note(note));
         self.others.borrow_mut().append(&mut part.others.borrow_mut());
     }
@@ -147,7 +147,7 @@ impl<'a> Source<'a> {
     }
 
     /// Notes zero padding after compressed data.
-    pub fn note_padding(&self, zeros: u64) {
+    pub(crate) fn note_padding(&self, zeros: u64) {
         if zeros > 0 {
             self.note(format!("{zeros} zeros after the compressed data are left out"));
         }
@@ -164,7 +164,7 @@ impl<'a> Source<'a> {
     }
 
     /// Skips a byte order mark; returns whether there was one.
-    pub fn skip_mark(&mut self) -> Result<bool, ShapeError> {
+    pub(crate) fn skip_mark(&mut self) -> Result<bool, ShapeError> {
         let is_marked = self.peek()?.starts_with(MARK);
         if is_marked {
             self.skip(MARK.len() as u64, "a byte order mark")?;
@@ -174,7 +174,7 @@ impl<'a> Source<'a> {
 
     /// Replaces `line` by the next line without its end (LF, CRLF, or CR if all lines end in CR); `false` at the end of the file.
     /// A line longer than [`MAX_LINE`] is an error: a file without line ends would be read into memory.
-    pub fn next_line(&mut self, line: &mut Vec<u8>) -> Result<bool, ShapeError> {
+    pub(crate) fn next_line(&mut self, line: &mut Vec<u8>) -> Result<bool, ShapeError> {
         line.clear();
         if self.line == 0 {
             // Two CR before the first LF are line ends, a single one is a typo; without any LF each is one.
@@ -264,12 +264,12 @@ impl<'a> Source<'a> {
     }
 
     /// Violation of the format at `place`.
-    pub fn malformed_at(&self, place: Location, expected: &'static str, found: String) -> ShapeError {
+    pub(crate) fn malformed_at(&self, place: Location, expected: &'static str, found: String) -> ShapeError {
         ShapeError::Malformed { file: self.file.clone(), place, expected, found }
     }
 
     /// Violation of the format at the current byte.
-    pub fn malformed_here(&self, expected: &'static str, found: String) -> ShapeError {
+    pub(crate) fn malformed_here(&self, expected: &'static str, found: String) -> ShapeError {
         self.malformed_at(Location::Byte(self.offset), expected, found)
     }
 
@@ -290,7 +290,7 @@ impl<'a> Source<'a> {
     }
 
     /// More than `limit` of something that is counted.
-    pub fn too_large(&self, what: &'static str, found: impl ToString, limit: u64) -> ShapeError {
+    pub(crate) fn too_large(&self, what: &'static str, found: impl ToString, limit: u64) -> ShapeError {
         ShapeError::TooLarge { file: self.file.clone(), what, found: found.to_string(), limit }
     }
 
@@ -300,17 +300,17 @@ impl<'a> Source<'a> {
     }
 
     /// The header declares `declared` bytes from here on, which is not the length of the data.
-    pub fn data_size(&self, declared: u64, what: String, found: Found) -> ShapeError {
+    pub(crate) fn data_size(&self, declared: u64, what: String, found: Found) -> ShapeError {
         ShapeError::DataSize { file: self.file.clone(), offset: self.offset, declared, what, found }
     }
 
     /// Checks a number of triangles against [`MAX_TRIANGLES`].
-    pub fn check_triangles(&self, triangles: u64) -> Result<(), ShapeError> {
+    pub(crate) fn check_triangles(&self, triangles: u64) -> Result<(), ShapeError> {
         if triangles <= MAX_TRIANGLES { Ok(()) } else { Err(self.too_large("triangles", triangles, MAX_TRIANGLES)) }
     }
 
     /// A link in `file` that leads out of the folder.
-    pub fn link_outside(file: &str, place: Location, name: &str) -> ShapeError {
+    pub(crate) fn link_outside(file: &str, place: Location, name: &str) -> ShapeError {
         let remedy = "it leads out of the folder, and out of the current one: put the file itself in its place, \
                   or run this in a folder that has both in it";
         ShapeError::unsupported(file, place, "the link", quoted(name.as_bytes()), remedy)

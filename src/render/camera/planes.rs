@@ -15,7 +15,7 @@ pub struct Extent {
 
 /// Equidistant view-aligned planes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SlicePlanes {
+pub(crate) struct SlicePlanes {
     /// Depth of the plane nearest to the camera.
     pub first_depth: f32,
     /// Distance between two planes.

@@ -234,7 +234,7 @@ impl Light<'_> {
 }
 
 /// Work between two slices.
-pub enum BetweenSlices<'a> {
+pub(crate) enum BetweenSlices<'a> {
     /// No work.
     Nothing,
     /// Draws the light behind the next slice.

@@ -8,7 +8,7 @@ use crate::render::error::RenderError;
 
 /// Target time of a submission, milliseconds. Lower: the fixed cost shows. Higher: a desktop on this device stutters
 /// (and resets it after two seconds), and interaction lags.
-pub const SUBMISSION_MS: f64 = 25.0;
+pub(crate) const SUBMISSION_MS: f64 = 25.0;
 /// Largest growth from one submission to the next. Higher: empty regions predict too little cost for the following
 /// ones.
 pub const GROWTH: f64 = 4.0;
@@ -20,7 +20,7 @@ const TELLING_MS: f64 = 0.15 * SUBMISSION_MS;
 
 /// Number of samples in the next submission of a program.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SubmissionBudget {
+pub(crate) struct SubmissionBudget {
     next: f64,
     /// Highest cost of a sample in the previous picture or so far in this one, milliseconds.
     dearest: Option<f64>,
@@ -89,7 +89,7 @@ impl SubmissionBudget {
 }
 
 /// Control over the submissions of a picture.
-pub struct SubmissionControl<'a> {
+pub(crate) struct SubmissionControl<'a> {
     /// Sizes of submissions.
     pub budget: &'a mut SubmissionBudget,
     /// Whether the picture ends unfinished; called before each submission with the milliseconds on the device and the part

@@ -90,7 +90,7 @@ pub(crate) struct Ways(Vec<(Slots, Way)>);
 
 impl Ways {
     /// Looks the way to draw a scene up on disk. Returns whether a trial is to choose it and pays.
-    pub fn recall(&mut self, gpu: &Gpu, scene: &Variant, library: &Library) -> bool {
+    pub(crate) fn recall(&mut self, gpu: &Gpu, scene: &Variant, library: &Library) -> bool {
         let ([width, height], quality) = (scene.scene.image.size, &scene.scene.quality);
         let work: u64 = [width, height, quality.samples, quality.supersampling].map(u64::from).iter().product();
         let is_open = quality.stage == ShaderStage::Auto && quality.pass == Pass::March && work >= LARGE;

@@ -5,5 +5,6 @@ mod load;
 mod request;
 
 pub use load::Subject;
+pub(crate) use request::field_margin;
 pub(crate) use request::{Recipe, opened};
-pub use request::{SubjectRequest, field_margin, open, request};
+pub use request::{SubjectRequest, open, request};

@@ -18,7 +18,7 @@ const DISTANCE: RangeInclusive<f32> = 0.8..=1.25;
 pub struct SubjectRequest {
     /// The object; an aligned one has the up axis of the main object.
     pub object: Object,
-    /// Extent of its field beyond the object, object units: see [`field_margin`].
+    /// Extent of its field beyond the object, object units: see `field_margin`.
     pub reach: f32,
     /// Whether closest points are read.
     pub closest: bool,
@@ -160,6 +160,6 @@ fn reaching(shape: &Shape, object: &Object, reach: f32) -> field::Request {
 }
 
 /// Actual extent of a field beyond its object, object units.
-pub fn field_margin(margin: f32) -> f32 {
+pub(crate) fn field_margin(margin: f32) -> f32 {
     (margin.max(0.0) / MARGIN_STEP + 1e-3).ceil().max(1.0) * MARGIN_STEP
 }

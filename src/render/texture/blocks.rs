@@ -30,7 +30,7 @@ impl<'a> Channel<'a> {
 }
 
 /// Scale and offset of a stored value, and scale of a stored slope, whose offset is 1/2.
-pub fn block_scales(absolute: bool) -> [f32; 3] {
+pub(crate) fn block_scales(absolute: bool) -> [f32; 3] {
     match absolute {
         false => [0.5, 0.5, (0.5 / NOISE_GRADIENT_BOUND) as f32],
         true => [(1.0 / TURBULENCE_BOUND) as f32, 0.0, (0.5 / TURBULENCE_GRADIENT_BOUND) as f32],
@@ -55,7 +55,7 @@ pub fn block_channels(blocks: &[Block; 4], depth: Depth) -> Vec<u8> {
 }
 
 /// Texels of four numbers in [0, 1].
-pub fn texels_of(numbers: &[[f32; 4]], depth: Depth) -> Vec<u8> {
+pub(crate) fn texels_of(numbers: &[[f32; 4]], depth: Depth) -> Vec<u8> {
     let channels: [Vec<f32>; 4] = std::array::from_fn(|c| numbers.iter().map(|texel| texel[c]).collect());
     interleave([0, 1, 2, 3].map(|c| Channel { values: &channels[c], scale: 1.0, offset: 0.0 }), depth)
 }

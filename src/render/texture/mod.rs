@@ -7,8 +7,12 @@ mod tables;
 mod transfer;
 mod volume;
 
-pub use blocks::{Depth, block_channels, block_gradients, block_scales, block_values, table_rows, texels_of};
+pub use blocks::{Depth, block_channels, block_gradients, block_values, table_rows};
+pub(crate) use blocks::{block_scales, texels_of};
 pub use bricks::{BRICK, Bricks};
-pub use tables::{SEGMENT_SIZE, classify, segment_table};
-pub use transfer::{evaluate, index_map, transfer_map, transfer_texel};
-pub use volume::{Encoding, Texels, encode, encode_closest};
+pub use tables::classify;
+pub(crate) use tables::{SEGMENT_SIZE, segment_table};
+pub use transfer::{evaluate, transfer_map};
+pub(crate) use transfer::{index_map, transfer_texel};
+pub(crate) use volume::encode_closest;
+pub use volume::{Encoding, Texels, encode};

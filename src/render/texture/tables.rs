@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use std::cmp::Ordering;
 
 /// Entries along each side of the segment table.
-pub const SEGMENT_SIZE: usize = 256;
+pub(crate) const SEGMENT_SIZE: usize = 256;
 
 /// Transfer map integrated over one segment, for every pair of densities at its front (x) and back (y): premultiplied
 /// linear RGBA floats, x fastest. `opacities` maps pairs of a density and a path, as a share of the segment, to
@@ -20,7 +20,7 @@ pub const SEGMENT_SIZE: usize = 256;
 ///
 /// # Errors
 /// Those of `opacities`.
-pub fn segment_table<E: Send>(
+pub(crate) fn segment_table<E: Send>(
     transfer: &Transfer,
     opacities: impl Fn(&[[f32; 2]]) -> Result<Vec<f32>, E> + Sync,
 ) -> Result<Vec<f32>, E> {

@@ -16,7 +16,7 @@ pub fn transfer_map(transfer: &Transfer) -> Vec<u16> {
 
 /// First texel of a transfer map as a device reads it; equals all texels if [`Transfer::is_flat`]. The bits are those
 /// of llvmpipe; other devices may round the conversion differently, by 2^-24.
-pub fn transfer_texel(transfer: &Transfer) -> [f32; 4] {
+pub(crate) fn transfer_texel(transfer: &Transfer) -> [f32; 4] {
     evaluate(transfer, 0.0).to_array().map(|value| f32::from(code16(value)) * (1.0 / 65535.0))
 }
 
@@ -28,7 +28,7 @@ pub fn evaluate(transfer: &Transfer, density: f32) -> Vec4 {
 
 /// Index map as a row of RGBA floats: index of refraction, its slope by density, number of the layer, 0. Entry i is for
 /// the density `i / (length - 1)`; a layer ends where the index or its slope jumps.
-pub fn index_map(transfer: &Transfer) -> Vec<f32> {
+pub(crate) fn index_map(transfer: &Transfer) -> Vec<f32> {
     let at = |entry: usize| entry as f32 / (TRANSFER_SIZE - 1) as f32;
     let layer = |density: f32| ends(transfer).filter(|&end| end <= density).count();
     let index = |density: f32| interpolate(transfer, density, |stop| Vec4::splat(stop.index)).x;

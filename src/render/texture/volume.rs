@@ -102,7 +102,7 @@ pub fn encode(field: &DistanceField, encoding: Encoding, range: [f32; 2]) -> Tex
 ///
 /// Moves the closest point of the surface along the normal, which is exact on the level's side of the surface up to the
 /// medial axis. Quantization: `range / 65535` for each component.
-pub fn encode_closest(closest: &ClosestPoints, field: &DistanceField, iso: f32) -> (Vec<u8>, f32) {
+pub(crate) fn encode_closest(closest: &ClosestPoints, field: &DistanceField, iso: f32) -> (Vec<u8>, f32) {
     let [nx, ny, _] = closest.grid.size;
     // Squares of tiny lengths underflow f32; scaling by a power of two is exact.
     let handy = (-closest.grid.spacing.max_element().log2().floor()).exp2();

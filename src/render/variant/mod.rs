@@ -17,7 +17,8 @@ pub use bindings::{GroomImage, ImageInput, NoiseImage, ObjectImage, PassImage, S
 pub(crate) use density::{as_density, as_extinction, unlit};
 pub use error::VariantError;
 pub(crate) use program::parts;
-pub use program::{Blocks, OCTAVES_ID, Program, why_left_out};
+pub(crate) use program::why_left_out;
+pub use program::{Blocks, OCTAVES_ID, Program};
 pub(crate) use reflect::PICTURE_BINDING;
 pub use reflect::{Block, Member, ReflectError, Resource, Use};
 pub use scene_variant::{Checkable, Purpose, Variant, slot_of};

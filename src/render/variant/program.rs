@@ -139,7 +139,7 @@ const PARTS: [(&[ImageInput], &str, &str); 9] = {
 };
 
 /// Reason for the absence of a part of [`Program::left_out`]; empty for other names.
-pub fn why_left_out(name: &str) -> &'static str {
+pub(crate) fn why_left_out(name: &str) -> &'static str {
     PARTS.iter().find(|(_, part, _)| *part == name).map_or("", |(_, _, why)| why)
 }
 

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 /// Choice of a shard.
 #[derive(Clone, Copy)]
-pub enum ShardChoice {
+pub(crate) enum ShardChoice {
     /// By the environment.
     Auto,
     /// A given shard.
@@ -152,6 +152,6 @@ pub fn frames_of(
 }
 
 /// Warns of names that do not sort by their number.
-pub fn warn_of_order(output: &Path, sequence: &Sequence) {
+pub(crate) fn warn_of_order(output: &Path, sequence: &Sequence) {
     unsorted(output, sequence.frames).into_iter().for_each(|line| ::log::warn!("--output: {line}"));
 }

@@ -14,11 +14,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Arguments of the object.
-pub type ObjectFlags = Flags<true>;
+pub(crate) type ObjectFlags = Flags<true>;
 
 /// A debug view.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum DebugView {
+pub(crate) enum DebugView {
     /// Normals as colors (MJ Fig. 3a).
     Normals,
     /// Texture coordinates as colors (MJ Fig. 3b).
@@ -35,7 +35,7 @@ pub enum DebugView {
 
 /// Arguments of the scene; each overrides it.
 #[derive(Args, Clone, Default)]
-pub struct SceneArguments {
+pub(crate) struct SceneArguments {
     /// The effect; `hypertexture effects` lists them.
     #[arg(long, value_name = "NAME")]
     pub effect: Option<String>,
@@ -68,7 +68,7 @@ pub struct SceneArguments {
 }
 
 /// The scene of a command line.
-pub struct RequestedScene {
+pub(crate) struct RequestedScene {
     /// The scene with its motion.
     pub moving: Scene,
     /// The scene before the arguments: the preset, the preset nearest to a file, or the scene of a picture.

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 
 /// Arguments of `convert`.
 #[derive(Args)]
-pub struct Convert {
+pub(crate) struct Convert {
     /// A volume or a mesh that `render` takes, or values without a header.
     pub input: String,
     /// The grid of an OpenVDB file with several.

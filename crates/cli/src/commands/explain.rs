@@ -24,7 +24,7 @@ const STEADY: f64 = 0.5;
 
 /// Arguments of `explain`.
 #[derive(Args)]
-pub struct Explain {
+pub(crate) struct Explain {
     /// An object, a scene file, an example scene, or a picture of this program.
     pub input: String,
     /// Print JSON.

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 
 /// Arguments of `groom`.
 #[derive(Args)]
-pub struct GroomArguments {
+pub(crate) struct GroomArguments {
     /// An object, a scene file or an example scene.
     ///
     /// Channels that are not given are those of its groom.

@@ -15,7 +15,7 @@ const BAR: f64 = 40.0;
 
 /// Arguments of `info`.
 #[derive(Args)]
-pub struct Info {
+pub(crate) struct Info {
     /// A mesh, a volume, a groom or a built-in object.
     pub input: String,
     /// The grid of an OpenVDB file with several.

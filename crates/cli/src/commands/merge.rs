@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 /// Arguments of `merge`.
 #[derive(Args)]
-pub struct Merge {
+pub(crate) struct Merge {
     /// Output: .png or .exr.
     pub output: PathBuf,
     /// All shards of the picture, in any order.

@@ -12,7 +12,7 @@ use std::time::Instant;
 
 /// Arguments of `view`.
 #[derive(Args)]
-pub struct ViewArguments {
+pub(crate) struct ViewArguments {
     /// An object, a scene file (.toml) or an example scene.
     ///
     /// An object is built in, a mesh, a scalar volume or a distance field. fire_ball is an example scene.
@@ -63,7 +63,7 @@ fn error(text: &str) -> Result<f64, String> {
 /// Failure to open a window.
 #[derive(Debug, thiserror::Error)]
 #[error(transparent)]
-pub struct NoWindow(ViewError);
+pub(crate) struct NoWindow(ViewError);
 
 /// Shows the window.
 pub fn run(command: ViewArguments, options: Options) -> Result<(), Box<dyn Error>> {

@@ -148,7 +148,7 @@ pub enum Command {
 
 /// Arguments of `doctor`.
 #[derive(Args)]
-pub struct Doctor {
+pub(crate) struct Doctor {
     /// Print JSON.
     #[arg(long)]
     pub json: bool,
@@ -163,7 +163,7 @@ pub struct Completions {
 
 /// Arguments of `man`.
 #[derive(Args)]
-pub struct Man {
+pub(crate) struct Man {
     /// Command of the page, such as render [default: the program].
     pub command: Option<String>,
     /// Write the pages of the program and of all commands into a folder.

@@ -27,7 +27,7 @@ pub struct Failed(pub String);
 
 /// Flag of the first signal: the current frame is finished, unless the device does not answer. The second signal ends
 /// the process at once; files stay whole.
-pub fn stop_flag() -> Result<Arc<AtomicBool>, Box<dyn Error>> {
+pub(crate) fn stop_flag() -> Result<Arc<AtomicBool>, Box<dyn Error>> {
     static STOP: OnceLock<Arc<AtomicBool>> = OnceLock::new();
     if let Some(stop) = STOP.get() {
         return Ok(stop.clone());

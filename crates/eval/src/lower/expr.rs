@@ -32,7 +32,7 @@ impl<'m> Lower<'m> {
         if value.regs.len() == 1 { Ok(value.regs[0]) } else { Err(self.uncovered("a vector in place of a scalar")) }
     }
 
-    pub fn variable_of(
+    pub(crate) fn variable_of(
         &mut self,
         frame: &mut CallFrame<'m>,
         handle: Handle<Expression>,

@@ -43,7 +43,7 @@ pub struct Watch<'w> {
 }
 
 /// The state of a [`Watch`] during lowering.
-pub struct Watching<'w> {
+pub(crate) struct Watching<'w> {
     pub watch: &'w Watch<'w>,
     /// Numbers of the watched functions, by name.
     pub functions: HashMap<String, u32>,

@@ -46,7 +46,7 @@ pub struct Lower<'m> {
 }
 
 /// A function that is being inlined.
-pub struct CallFrame<'m> {
+pub(crate) struct CallFrame<'m> {
     pub function: &'m Function,
     pub arguments: Vec<Lowered>,
     pub locals: HashMap<Handle<LocalVariable>, Variable>,
@@ -106,7 +106,7 @@ pub fn lower<'m>(
 
 impl<'m> Lower<'m> {
     /// An error for the current expression.
-    pub fn uncovered(&self, construct: impl Into<String>) -> ExactError {
+    pub(crate) fn uncovered(&self, construct: impl Into<String>) -> ExactError {
         let place = self.here.and_then(|byte| self.words.place_of_expression(byte));
         ExactError::Uncovered { construct: construct.into(), place: place.unwrap_or_else(unknown_place) }
     }
@@ -123,7 +123,7 @@ impl<'m> Lower<'m> {
         self.run_start = self.code.instrs.len();
     }
 
-    pub fn register(&mut self, file: File, class: Class) -> Reg {
+    pub(crate) fn register(&mut self, file: File, class: Class) -> Reg {
         let classes = &mut self.classes[file as usize];
         classes.push(class);
         Reg { file, uniform: false, index: classes.len() as u32 - 1 }
@@ -160,7 +160,7 @@ impl<'m> Lower<'m> {
     }
 
     /// [`Lower::emit`] with the table of an [`Op::Gather`].
-    pub fn emit_table(&mut self, op: Op, signed: bool, sources: &[Reg], table: &[Reg]) -> Reg {
+    pub(crate) fn emit_table(&mut self, op: Op, signed: bool, sources: &[Reg], table: &[Reg]) -> Reg {
         let file = match op {
             Op::Select => sources[1].file,
             Op::Gather => table[0].file,

@@ -8,7 +8,7 @@ use crate::number::{Binary, Comparison, IntBinary, IntUnary, Unary};
 use naga::{BinaryOperator, ScalarKind, UnaryOperator};
 
 impl Lower<'_> {
-    pub fn unary(&mut self, op: UnaryOperator, value: &Value) -> Result<Value, ExactError> {
+    pub(crate) fn unary(&mut self, op: UnaryOperator, value: &Value) -> Result<Value, ExactError> {
         let kind = value.ty.kind().ok_or_else(|| self.uncovered("an operator on an array or structure"))?;
         let op = match (op, kind) {
             (UnaryOperator::Negate, ScalarType::Float) => Op::Unary(Unary::Negate),
@@ -20,7 +20,11 @@ impl Lower<'_> {
         Ok(Value::new(value.ty.clone(), regs.collect()))
     }
 
-    pub fn relational(&mut self, function: naga::RelationalFunction, value: &Value) -> Result<Value, ExactError> {
+    pub(crate) fn relational(
+        &mut self,
+        function: naga::RelationalFunction,
+        value: &Value,
+    ) -> Result<Value, ExactError> {
         let regs = value.regs.clone();
         let fold = |lower: &mut Self, op| {
             let all = regs[1..].iter().fold(regs[0], |all, reg| lower.emit(op, false, &[all, *reg]));

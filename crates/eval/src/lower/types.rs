@@ -39,7 +39,7 @@ impl ScalarType {
 
 /// Types of values.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Ty {
+pub(crate) enum Ty {
     Scalar(ScalarType),
     Vector(ScalarType, usize),
     /// Columns and rows; of floats, column by column.
@@ -199,7 +199,7 @@ impl Variable {
 
 /// A lowered expression.
 #[derive(Clone, Debug)]
-pub enum Lowered {
+pub(crate) enum Lowered {
     Value(Value),
     Variable(Variable),
     /// Binding, axes, whether its texels are floats.
@@ -227,6 +227,6 @@ pub fn image(inner: &TypeInner, binding: u32) -> Result<Lowered, String> {
 }
 
 /// Whether variables of an address space belong to one invocation.
-pub fn is_private(space: AddressSpace) -> bool {
+pub(crate) fn is_private(space: AddressSpace) -> bool {
     matches!(space, AddressSpace::Private | AddressSpace::Function)
 }

@@ -34,7 +34,7 @@ pub fn blocks(statement: &Statement) -> Vec<&Block> {
 }
 
 /// Calls `on` with every expression that a block emits, in order.
-pub fn emitted(block: &Block, on: &mut dyn FnMut(Handle<Expression>)) {
+pub(crate) fn emitted(block: &Block, on: &mut dyn FnMut(Handle<Expression>)) {
     for statement in block.iter() {
         if let Statement::Emit(range) = statement {
             range.clone().for_each(&mut *on);

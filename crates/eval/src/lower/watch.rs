@@ -30,7 +30,7 @@ impl<'m> Lower<'m> {
     }
 
     /// Notes the values that a function gives.
-    pub fn watch_call(
+    pub(crate) fn watch_call(
         &mut self,
         frame: &mut CallFrame<'m>,
         (function, arguments): (&Function, &[Handle<Expression>]),
@@ -61,7 +61,7 @@ impl<'m> Lower<'m> {
     }
 
     /// Notes an index out of `0..count`.
-    pub fn watch_index(&mut self, index: Reg, count: usize) {
+    pub(crate) fn watch_index(&mut self, index: Reg, count: usize) {
         let Some(number) = self.number_here() else { return };
         let (zero, count) = (self.int(0, true), self.int(count as u32, true));
         let is_below = self.emit(Op::IntLess, true, &[index, zero]);
@@ -73,7 +73,7 @@ impl<'m> Lower<'m> {
     }
 
     /// Notes a divisor of 0.
-    pub fn watch_divisor(&mut self, divisor: Reg) {
+    pub(crate) fn watch_divisor(&mut self, divisor: Reg) {
         let Some(number) = self.number_here() else { return };
         let zero = self.int(0, true);
         let is_fault = self.emit(Op::IntEqual, true, &[divisor, zero]);

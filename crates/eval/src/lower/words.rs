@@ -119,7 +119,7 @@ impl Words {
     }
 
     /// File and line of an expression of a function, by the first byte of its span in naga.
-    pub fn place_of_expression(&self, byte: usize) -> Option<String> {
+    pub(crate) fn place_of_expression(&self, byte: usize) -> Option<String> {
         self.place(byte + 4 * self.uncounted)
     }
 
@@ -137,18 +137,18 @@ impl Words {
     }
 
     /// File and line of the first instruction with an opcode.
-    pub fn place_of_op(&self, wanted: Op) -> String {
+    pub(crate) fn place_of_op(&self, wanted: Op) -> String {
         self.place_of(|instruction| op(instruction[0]) == Some(wanted))
     }
 
     /// File and line of the first call of a function of GLSL.std.450.
-    pub fn place_of_function(&self, number: u32) -> String {
+    pub(crate) fn place_of_function(&self, number: u32) -> String {
         self.place_of(|instruction| op(instruction[0]) == Some(Op::ExtInst) && instruction.get(4) == Some(&number))
     }
 }
 
 /// Text in place of file and line, for SPIR-V without debug information.
-pub fn unknown_place() -> String {
+pub(crate) fn unknown_place() -> String {
     "its line is not known".into()
 }
 

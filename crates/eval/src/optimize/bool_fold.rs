@@ -36,7 +36,7 @@ impl Bools {
 }
 
 /// Replaces selects of their own condition by `or` and `and`.
-pub fn fold_bools(code: &mut Code) {
+pub(crate) fn fold_bools(code: &mut Code) {
     for (start, end) in basic_blocks(&code.body) {
         let mut bools = Bools::default();
         for instr in &mut code.instrs[start..end] {

@@ -7,7 +7,7 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 
 /// Instructions that read and write each register; a condition counts as a read by the next instruction.
 #[derive(Default)]
-pub struct Occurrences {
+pub(crate) struct Occurrences {
     pub reads: HashMap<Reg, Vec<usize>>,
     pub writes: HashMap<Reg, Vec<usize>>,
     /// Ranges of instructions of the loops.
@@ -62,7 +62,7 @@ impl Occurrences {
     }
 
     /// The last instruction that needs a temporary: its last read, or the end of a loop around a read but not `defined`.
-    pub fn last_use(&self, reg: Reg, defined: usize) -> usize {
+    pub(crate) fn last_use(&self, reg: Reg, defined: usize) -> usize {
         let reads = self.reads.get(&reg).map(Vec::as_slice).unwrap_or_default();
         let last = |read: &usize| {
             let around = self
@@ -119,7 +119,7 @@ fn drop_images(code: &mut Code) {
 }
 
 /// Removes instructions whose results nothing reads, transitively.
-pub fn drop_unread(code: &mut Code) {
+pub(crate) fn drop_unread(code: &mut Code) {
     let found = Occurrences::of(code);
     let mut reads: HashMap<Reg, usize> = found.reads.iter().map(|(reg, reads)| (*reg, reads.len())).collect();
     let mut unread: Vec<Reg> = found.writes.keys().copied().filter(|reg| !reads.contains_key(reg)).collect();
@@ -173,7 +173,7 @@ fn propagate_copies(code: &mut Code, classes: &[Vec<Class>; 3]) {
 }
 
 /// Ranges of instructions of all basic blocks.
-pub fn basic_blocks(nodes: &[Node]) -> Vec<(usize, usize)> {
+pub(crate) fn basic_blocks(nodes: &[Node]) -> Vec<(usize, usize)> {
     let mut found = Vec::new();
     let mut nodes = nodes.to_vec();
     let mut rest: Vec<&mut Node> = nodes.iter_mut().collect();

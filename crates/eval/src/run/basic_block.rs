@@ -51,14 +51,14 @@ impl<T: Bool> pulp::NullaryFnOnce for Outcomes<'_, T> {
 
 impl<N: Number> Machine<'_, N> {
     /// Runs a basic block.
-    pub fn basic_block(&mut self, start: usize, end: usize, mask: u64) {
+    pub(crate) fn basic_block(&mut self, start: usize, end: usize, mask: u64) {
         let (banks, code, images) = (&mut self.banks, self.code, self.images);
         let instrs = &code.instrs[start..end];
         self.arch.dispatch(BasicBlock { banks, instrs, code, images, mask, block: self.block });
     }
 
     /// Runs a basic block with results rounded to f32.
-    pub fn basic_block_single(&mut self, instrs: (usize, usize), mask: u64) {
+    pub(crate) fn basic_block_single(&mut self, instrs: (usize, usize), mask: u64) {
         for index in instrs.0..instrs.1 {
             let instr = self.code.instrs[index];
             let has_result = instr.has_dst() && instr.dst.file == File::Float && instr.op != Op::Copy;

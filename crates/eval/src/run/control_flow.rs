@@ -35,7 +35,7 @@ enum ConstructKind {
 }
 
 /// A program being run, for one block of lanes after another.
-pub struct Machine<'a, N: Number> {
+pub(crate) struct Machine<'a, N: Number> {
     pub code: &'a Code,
     pub images: &'a [Image<'a>],
     pub arch: pulp::Arch,

@@ -46,7 +46,7 @@ pub fn put<T: Packed>(row: &mut Row<T>, lane: usize, value: T) {
 
 /// An operand of an instruction.
 #[derive(Clone, Copy)]
-pub enum Operand<'a, T: Packed> {
+pub(crate) enum Operand<'a, T: Packed> {
     Lanes(&'a Row<T>),
     Uniform(T),
 }
@@ -119,7 +119,7 @@ pub(crate) use inlined;
 // One loop for all operands: a loop for each combination of rows and uniforms is no faster, and takes minutes to compile.
 
 #[inline(always)]
-pub fn map1<A: Packed, D: Packed>(out: &mut Row<D>, mask: u64, a: Operand<'_, A>, f: impl Fn(A) -> D) {
+pub(crate) fn map1<A: Packed, D: Packed>(out: &mut Row<D>, mask: u64, a: Operand<'_, A>, f: impl Fn(A) -> D) {
     inlined!(groups(out, mask), |group, out| {
         let (a, mut values) = (a.group(group), *out);
         for place in 0..GROUP {
@@ -130,7 +130,7 @@ pub fn map1<A: Packed, D: Packed>(out: &mut Row<D>, mask: u64, a: Operand<'_, A>
 }
 
 #[inline(always)]
-pub fn map2<A: Packed, B: Packed, D: Packed>(
+pub(crate) fn map2<A: Packed, B: Packed, D: Packed>(
     out: &mut Row<D>,
     mask: u64,
     (a, b): (Operand<'_, A>, Operand<'_, B>),
@@ -146,7 +146,7 @@ pub fn map2<A: Packed, B: Packed, D: Packed>(
 }
 
 #[inline(always)]
-pub fn map3<A: Packed, B: Packed, C: Packed, D: Packed>(
+pub(crate) fn map3<A: Packed, B: Packed, C: Packed, D: Packed>(
     out: &mut Row<D>,
     mask: u64,
     (a, b, c): (Operand<'_, A>, Operand<'_, B>, Operand<'_, C>),
@@ -163,7 +163,7 @@ pub fn map3<A: Packed, B: Packed, C: Packed, D: Packed>(
 
 /// Selects by a condition that is decided in most lanes, without joins in groups where all lanes are.
 #[inline(always)]
-pub fn select_rows<N: Number>(
+pub(crate) fn select_rows<N: Number>(
     out: &mut Row<N>,
     mask: u64,
     condition: Operand<'_, N::Bool>,
@@ -196,7 +196,7 @@ pub fn slow<A: Copy, D: Packed, O: Lane<A>>(out: &mut Row<D>, mask: u64, a: O, f
 }
 
 /// A source of a value for each lane.
-pub trait Lane<T> {
+pub(crate) trait Lane<T> {
     fn lane(&self, lane: usize) -> T;
 }
 
@@ -219,7 +219,7 @@ pub struct Rows<T: Packed> {
 }
 
 /// The registers of one file, and a spare row in which results are computed.
-pub struct Bank<T: Packed> {
+pub(crate) struct Bank<T: Packed> {
     pub rows: Rows<T>,
     pub spare: Box<Aligned<T>>,
 }
@@ -248,7 +248,7 @@ impl<T: Packed> Bank<T> {
 
     /// Moves the result to its register, for the lanes of a mask or for all.
     #[inline(always)]
-    pub fn store_result(&mut self, dst: Reg, mask: u64, all: bool) {
+    pub(crate) fn store_result(&mut self, dst: Reg, mask: u64, all: bool) {
         let row = &mut self.rows.rows[dst.index as usize];
         if all {
             std::mem::swap(row, &mut self.spare);
@@ -263,7 +263,7 @@ impl<T: Packed> Bank<T> {
 }
 
 /// The register files.
-pub struct Banks<N: Number> {
+pub(crate) struct Banks<N: Number> {
     pub floats: Bank<N>,
     pub ints: Bank<N::Int>,
     pub bools: Bank<N::Bool>,

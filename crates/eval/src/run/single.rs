@@ -20,7 +20,7 @@ pub struct Overflow {
 
 /// Overflows of f32 in a block of lanes.
 #[derive(Clone, Debug)]
-pub struct Singles {
+pub(crate) struct Singles {
     /// Whether each place of the program is watched.
     watched: Vec<bool>,
     found: [Option<Note>; LANES],

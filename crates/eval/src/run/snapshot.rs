@@ -5,7 +5,7 @@ use crate::code::{File, Reg};
 use crate::number::{Domain, GROUP, Number};
 
 /// Registers of some lanes, taken where they left a part of the program or before they enter another one.
-pub struct Snapshot<N: Number> {
+pub(crate) struct Snapshot<N: Number> {
     lanes: u64,
     floats: Vec<Row<N>>,
     ints: Vec<Row<N::Int>>,

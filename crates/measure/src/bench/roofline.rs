@@ -87,7 +87,7 @@ impl Counts {
     }
 
     /// The least time of this work, milliseconds.
-    pub fn floor_ms(&self, peaks: &Peaks) -> f64 {
+    pub(crate) fn floor_ms(&self, peaks: &Peaks) -> f64 {
         (self.operations / peaks.operations).max(self.fetches / peaks.fetches)
     }
 }

@@ -20,7 +20,7 @@ pub(super) struct Run {
 
 impl Run {
     /// Draws a picture, with its shadow volume.
-    pub fn of_picture(renderer: &mut Renderer, scene: &Scene) -> Result<Run, RenderError> {
+    pub(crate) fn of_picture(renderer: &mut Renderer, scene: &Scene) -> Result<Run, RenderError> {
         renderer.invalidate_shadows();
         Run::of(|| Ok(Some(renderer.render(scene)?.measurements)))
     }
@@ -45,7 +45,7 @@ impl Run {
     }
 
     /// The time that is compared.
-    pub fn steadiest(&self, on_processor: bool) -> f64 {
+    pub(crate) fn steadiest(&self, on_processor: bool) -> f64 {
         steadiest(on_processor, self.device, self.processor, self.wall)
     }
 }

@@ -18,7 +18,7 @@ const SIDES: [u32; 2] = [300, 600];
 /// Sizes of the pictures of the stages, pixels.
 const STAGE_SIZES: [[u32; 2]; 3] = [[300, 300], [1024, 768], [1920, 1080]];
 /// Phrase for the fragment or compute stage, which `auto` is compared with.
-pub const BETTER_STAGE: &str = "the better stage";
+pub(crate) const BETTER_STAGE: &str = "the better stage";
 /// Side of the other pictures.
 const SIDE: u32 = 128;
 /// Voxels along the longest side of an object.

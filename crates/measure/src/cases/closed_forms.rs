@@ -15,7 +15,7 @@ pub fn slab(near: f64, far: f64, path: f64) -> f64 {
 }
 
 /// Light of a slab whose color is the depth in it, for an extinction per unit of depth.
-pub fn depth_color(extinction: f64, depth: f64) -> f64 {
+pub(crate) fn depth_color(extinction: f64, depth: f64) -> f64 {
     let (k, d) = (extinction, depth);
     (1.0 - (-k * d).exp() * (1.0 + k * d)) / k
 }
@@ -71,7 +71,7 @@ pub fn luneburg_miss(along: DVec3, [direction, moment]: [DVec3; 2]) -> f64 {
 
 /// Ray that leaves Maxwell's fish-eye of radius 1 after entering at `at`: a unit vector, and its moment about the center.
 /// It leaves at `-at`: circles through a point of the rim go through the opposite one.
-pub fn fish_eye(at: DVec3, along: DVec3) -> [DVec3; 2] {
+pub(crate) fn fish_eye(at: DVec3, along: DVec3) -> [DVec3; 2] {
     [2.0 * along.dot(at) * at - along, at.cross(along)]
 }
 

@@ -99,7 +99,7 @@ impl Candidate {
     /// The most that blending may add to an error, known beforehand: each of N blends rounds the opacity by at most half
     /// a code (8 bits), or cuts off a unit in the last place of a value below 1 (floats, on drivers that truncate).
     /// Matter that is thinner than that is lost altogether, however much there is of it.
-    pub fn blend_bound(&self) -> f64 {
+    pub(crate) fn blend_bound(&self) -> f64 {
         let unit = match self.curve().target {
             None => return 0.0,
             Some(TargetFormat::Unorm8) => 1.0 / 510.0,

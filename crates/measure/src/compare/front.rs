@@ -21,7 +21,7 @@ pub fn front(points: &[(f64, f64)]) -> Vec<usize> {
 }
 
 /// Index of the fastest point (time, error) within an error.
-pub fn cheapest(points: &[(f64, f64)], error: f64) -> Option<usize> {
+pub(crate) fn cheapest(points: &[(f64, f64)], error: f64) -> Option<usize> {
     let within = (0..points.len()).filter(|&index| points[index].1 <= error);
     within.min_by(|&a, &b| points[a].0.total_cmp(&points[b].0))
 }
@@ -45,7 +45,7 @@ fn gain(pair: &[(f64, f64)]) -> f64 {
 }
 
 /// Whether a curve of (samples, error) still falls at its end.
-pub fn still_falls(curve: &[(f64, f64)]) -> bool {
+pub(crate) fn still_falls(curve: &[(f64, f64)]) -> bool {
     curve.windows(2).next_back().is_some_and(|pair| gain(pair) >= SATURATED)
 }
 

@@ -12,7 +12,7 @@ const UNSTEADY: f64 = 1.25;
 /// Confidence of the interval around a median.
 const CONFIDENCE: f64 = 0.95;
 /// Fewest runs whose extremes contain the median with a confidence of 95 %: 1 - 2 / 2^6 = 0.97.
-pub const FEWEST_RUNS: usize = 6;
+pub(crate) const FEWEST_RUNS: usize = 6;
 
 /// Times of one run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -58,7 +58,7 @@ impl Spread {
     }
 
     /// Whether the machine was disturbed: the 95th percentile is far above the median.
-    pub fn is_unsteady(&self) -> bool {
+    pub(crate) fn is_unsteady(&self) -> bool {
         self.p95 > UNSTEADY * self.median
     }
 }

@@ -95,7 +95,7 @@ pub enum CheckError {
 }
 
 /// Random distinct pixels of a picture; all of them if `count` is larger.
-pub fn draw_pixels(size: [u32; 2], count: u32, seed: u64) -> Vec<[u32; 2]> {
+pub(crate) fn draw_pixels(size: [u32; 2], count: u32, seed: u64) -> Vec<[u32; 2]> {
     let all = u64::from(size[0]) * u64::from(size[1]);
     let mut random = SplitMix(seed);
     // The beginning of a Fisher-Yates shuffle; only exchanged places are stored.

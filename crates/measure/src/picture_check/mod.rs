@@ -4,5 +4,5 @@ mod check;
 mod rerender;
 mod verdict;
 
-pub use check::{CheckError, CheckOptions, GroundTruth, PixelTruth, check, draw_pixels};
+pub use check::{CheckError, CheckOptions, GroundTruth, PixelTruth, check};
 pub use verdict::Verdict;

@@ -204,7 +204,7 @@ pub fn reference(
 }
 
 /// Side of the squares of pixels that cost as much as a single pixel: bent rays are traced in quads.
-pub fn computed_together(scene: &Scene) -> usize {
+pub(crate) fn computed_together(scene: &Scene) -> usize {
     if scene.effect.ray_path == RayPath::Refracted { 2 } else { 1 }
 }
 

@@ -178,7 +178,7 @@ impl<'a> Painter<'a> {
     ///
     /// # Errors
     /// As [`Painter::render`].
-    pub fn render_anew(&mut self, scene: &Scene) -> Result<Frame, RenderError> {
+    pub(crate) fn render_anew(&mut self, scene: &Scene) -> Result<Frame, RenderError> {
         match self {
             Painter::Here(renderer) => {
                 renderer.invalidate_shadows();

@@ -18,7 +18,7 @@ const FINE: usize = 40;
 /// Center of the bounding box in Newell's units, y up.
 pub const CENTER: Vec3 = Vec3::new(0.217, 1.575, 0.0);
 /// Half the length from handle to spout in Newell's units, rounded up.
-pub const HALF_LENGTH: f32 = 3.2172;
+pub(crate) const HALF_LENGTH: f32 = 3.2172;
 
 /// Offset from the center of the spout's mouth to the bottom of its hollow, in Newell's units.
 const MOUTH: Vec3 = Vec3::new(-0.3, -0.25, 0.0);
@@ -30,7 +30,7 @@ pub fn newell() -> Mesh {
     tessellated(USUAL)
 }
 
-/// Finer, closed teapot in [-1, 1]^3: relative to [`CENTER`], divided by [`HALF_LENGTH`].
+/// Finer, closed teapot in [-1, 1]^3: relative to [`CENTER`], divided by `HALF_LENGTH`.
 ///
 /// Three solids, each closed and wound outward: the body with its lid, the handle, and the spout.
 pub fn unit() -> Mesh {

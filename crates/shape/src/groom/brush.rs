@@ -56,7 +56,7 @@ impl BrushKind {
 
 impl Brush {
     /// Part of the strength at a distance from the middle, in radii: 1 to 0, flat at both ends.
-    pub fn fall_off(part: f32) -> f32 {
+    pub(crate) fn fall_off(part: f32) -> f32 {
         let rest = (1.0 - part * part).max(0.0);
         rest * rest
     }

@@ -32,7 +32,7 @@ impl Axes {
     }
 
     /// Shift in samples, per unit of relative rounding of the coordinates of a world position.
-    pub fn sensitivity(&self, world: DVec3) -> DVec3 {
+    pub(crate) fn sensitivity(&self, world: DVec3) -> DVec3 {
         self.along.abs() * world.abs() / self.spacing
     }
 }

@@ -104,7 +104,7 @@ impl Volume {
 
 impl Histogram {
     /// Ascending values of the peaks of the mean gradient, at most 4; the ends of the range do not count.
-    pub fn boundaries(&self) -> Vec<f32> {
+    pub(crate) fn boundaries(&self) -> Vec<f32> {
         let curve = self.curve();
         let highest = curve.iter().copied().fold(0.0, f64::max);
         let mut peaks: Vec<(usize, f64)> = Vec::new();

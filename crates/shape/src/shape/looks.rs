@@ -14,7 +14,7 @@ pub struct Looks {
 
 impl Looks {
     /// The color of a vertex in sRGB, \[0, 1\].
-    pub fn srgb(&self, vertex: usize) -> [f32; 3] {
+    pub(crate) fn srgb(&self, vertex: usize) -> [f32; 3] {
         self.colors[vertex].map(|linear| match linear.clamp(0.0, 1.0) {
             low if low <= 0.003_130_8 => 12.92 * low,
             high => 1.055 * high.powf(1.0 / 2.4) - 0.055,

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 /// Use of an edge: its two ends as welded vertices in rising order, the triangle, and whether the edge runs from the first to
 /// the second.
-pub type EdgeUse = (u32, u32, u32, bool);
+pub(crate) type EdgeUse = (u32, u32, u32, bool);
 
 /// Consistently oriented triangles.
 pub struct OrientedMesh {

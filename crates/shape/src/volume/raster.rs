@@ -65,7 +65,7 @@ pub(crate) struct Data {
 
 impl Data {
     /// The rest of the current file.
-    pub const HERE: Data = Data { files: None, lines: 0, before: Some(0), inside: Some(0) };
+    pub(crate) const HERE: Data = Data { files: None, lines: 0, before: Some(0), inside: Some(0) };
 }
 
 impl Raster {

@@ -16,7 +16,7 @@ impl Space {
     /// Left, posterior, superior: DICOM and MetaImage.
     pub const LPS: Space = Space(DMat3::from_diagonal(DVec3::new(-1.0, -1.0, 1.0)));
     /// An unspecific left-handed space: z is reversed.
-    pub const LEFT_HANDED: Space = Space(DMat3::from_diagonal(DVec3::new(1.0, 1.0, -1.0)));
+    pub(crate) const LEFT_HANDED: Space = Space(DMat3::from_diagonal(DVec3::new(1.0, 1.0, -1.0)));
 
     /// Space from one letter per axis: the side that the axis points to.
     pub fn of(letters: &str) -> Option<Space> {

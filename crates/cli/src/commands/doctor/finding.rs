@@ -4,7 +4,7 @@ use serde::Serialize;
 
 /// Result of an examination.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Diagnosis {
+pub(crate) struct Diagnosis {
     /// Name and version of the program.
     pub program: &'static str,
     /// Whether nothing failed.

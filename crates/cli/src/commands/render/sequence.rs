@@ -22,7 +22,7 @@ use std::time::Instant;
 const MOST_TRIED: u32 = 256;
 
 /// Renders the frames of a sequence of `scene` or of its shard. Result: a summary as JSON.
-pub fn render_frames(
+pub(crate) fn render_frames(
     picture: &Picture<'_>,
     scene: &Scene,
     sequence: &Sequence,

@@ -49,7 +49,7 @@ pub fn replay(
 }
 
 /// Times everything that is planned, window by window.
-pub fn time_windows(session: Session<'_>, replay: &mut Replay, progress: &dyn Fn(f32)) {
+pub(crate) fn time_windows(session: Session<'_>, replay: &mut Replay, progress: &dyn Fn(f32)) {
     for (number, window) in WINDOWS.into_iter().enumerate() {
         let drawn = (replay.plan.pixels(window), replay.sampling.of(window.sampling));
         let of_window = |shot: &Shot| {

@@ -26,7 +26,7 @@ use std::sync::Arc;
 pub type Way = (&'static str, &'static str, [f64; 4]);
 
 /// The rows of Table 3.
-pub static TABLE_3: [Way; 4] = [
+pub(crate) static TABLE_3: [Way; 4] = [
     ("8 noise lookups", "lookups8", [2.45, 1.89, 0.49, 0.43]),
     ("4 noise lookups", "lookups4", [7.14, 5.26, 2.40, 2.30]),
     ("4 channel", "channels", [23.02, 17.02, 3.82, 3.70]),

@@ -4,7 +4,7 @@
 //! slices, nor the format that they are blended in, nor any error.
 
 /// The cards of Tables 1 and 2.
-pub const CARDS: [&str; 2] = ["9700 Pro", "6800 GT"];
+pub(crate) const CARDS: [&str; 2] = ["9700 Pro", "6800 GT"];
 
 /// One row of Tables 1 and 2: our preset, what the paper calls it, and what the two cards do.
 pub const EFFECTS: [(&str, &str, [[f64; 4]; 2]); 6] = [
@@ -17,10 +17,10 @@ pub const EFFECTS: [(&str, &str, [[f64; 4]; 2]); 6] = [
 ];
 
 /// Seconds that Satherley and Jones 2002 took in software for a picture of 300 x 300 (MJ 3).
-pub const SOFTWARE_SECONDS: f64 = 50.0;
+pub(crate) const SOFTWARE_SECONDS: f64 = 50.0;
 /// Frames per second on a full screen, 1024 x 768, by the paper's conclusion (MJ 7).
-pub const FULL_SCREEN: f64 = 10.0;
+pub(crate) const FULL_SCREEN: f64 = 10.0;
 /// Side of the block of noise that had the best balance of speed and resolution (MJ 7), texels.
-pub const BEST_BLOCK: u32 = 64;
+pub(crate) const BEST_BLOCK: u32 = 64;
 /// How much slower than the 9700 Pro the FX 5900 is, about (MJ 7).
-pub const FX_5900: f64 = 2.0;
+pub(crate) const FX_5900: f64 = 2.0;

@@ -29,7 +29,7 @@ pub struct Window {
 }
 
 /// The windows, from the quickest on. The paper does not print 4x, as it is about 8x.
-pub const WINDOWS: [Window; 6] = [
+pub(crate) const WINDOWS: [Window; 6] = [
     Window { size: [300, 300], sampling: 0 },
     Window { size: [300, 300], sampling: 4 },
     Window { size: [300, 300], sampling: 8 },
@@ -172,7 +172,7 @@ pub struct Replay {
     pub plan: Plan,
     /// Substitutes of 4x and 8x.
     pub sampling: Sampling,
-    /// Tables 1 and 2, Table 3, discarded fragments, blocks of noise: see [`EFFECTS_SHEET`] and on.
+    /// Tables 1 and 2, Table 3, discarded fragments, blocks of noise: see `EFFECTS_SHEET` and on.
     pub sheets: Vec<Sheet>,
     /// All that was timed, each once.
     pub shots: Vec<Shot>,
@@ -185,13 +185,13 @@ pub struct Replay {
 }
 
 /// Places of the tables in [`Replay::sheets`].
-pub const EFFECTS_SHEET: usize = 0;
+pub(crate) const EFFECTS_SHEET: usize = 0;
 /// Table 3.
-pub const TURBULENCE_SHEET: usize = 1;
+pub(crate) const TURBULENCE_SHEET: usize = 1;
 /// Fragments without matter, discarded or blended with alpha 0.
-pub const DISCARD_SHEET: usize = 2;
+pub(crate) const DISCARD_SHEET: usize = 2;
 /// Blocks of noise.
-pub const BLOCK_SHEET: usize = 3;
+pub(crate) const BLOCK_SHEET: usize = 3;
 
 /// How the paper draws: slices that fit every rotation, samples of points, a frame buffer of 8 bits.
 pub fn paper_quality(quality: &Quality) -> Quality {
@@ -229,7 +229,11 @@ impl Replay {
     }
 
     /// Table 3 alone, with these of its rows and their scenes.
-    pub fn of_table_3(plan: Plan, sampling: Sampling, rows: impl Iterator<Item = (&'static Way, Scene)>) -> Replay {
+    pub(crate) fn of_table_3(
+        plan: Plan,
+        sampling: Sampling,
+        rows: impl Iterator<Item = (&'static Way, Scene)>,
+    ) -> Replay {
         let mut replay = Replay::new(plan, sampling);
         let rows = rows.map(|(way, scene)| (way.0.into(), scene, vec![way.2.map(Some).to_vec()])).collect();
         replay.add(

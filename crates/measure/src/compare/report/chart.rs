@@ -54,7 +54,7 @@ impl Axis {
 }
 
 /// A chart for each truth, with a line for each curve.
-pub fn charts(comparison: &Comparison, curves: &[CurveRows]) -> Vec<Value> {
+pub(crate) fn charts(comparison: &Comparison, curves: &[CurveRows]) -> Vec<Value> {
     let groups = comparison.groups();
     groups.iter().enumerate().map(|(number, group)| chart(comparison, number, group, curves)).collect()
 }

@@ -217,7 +217,7 @@ fn blocks(comparison: &Comparison) -> Vec<Block> {
 }
 
 /// A curve, the indices of its rows by rising samples, and the order of their error.
-pub type CurveRows = (Curve, Vec<usize>, Option<Order>);
+pub(crate) type CurveRows = (Curve, Vec<usize>, Option<Order>);
 
 /// The curves of some rows, with the indices of their rows by rising samples, and the order of their error.
 pub fn curves(rows: &[Row]) -> Vec<CurveRows> {

@@ -8,7 +8,7 @@ use hypertexture::render::Frame;
 use hypertexture::scene::Color;
 
 /// The errors at the ends of the scale of heat maps, which is logarithmic.
-pub const HEAT: [f64; 2] = [1e-5, 1.0];
+pub(crate) const HEAT: [f64; 2] = [1e-5, 1.0];
 
 /// Black, purple, orange, pale yellow at equal steps (after the magma of matplotlib): light everywhere means error.
 const MAGMA: [[u8; 3]; 9] = [
@@ -24,7 +24,7 @@ const MAGMA: [[u8; 3]; 9] = [
 ];
 
 /// Pixels over a background as the address of an `img` element.
-pub fn address_of(pixels: &[[f64; 4]], size: [u32; 2], background: Color) -> String {
+pub(crate) fn address_of(pixels: &[[f64; 4]], size: [u32; 2], background: Color) -> String {
     address(size, &bytes(&encode(pixels, background)))
 }
 
@@ -35,7 +35,7 @@ pub fn picture(frame: &Frame, background: Color) -> String {
 }
 
 /// A map of the largest difference of any channel of premultiplied linear RGBA of each pixel.
-pub fn heat_map(found: &Frame, truth: &[[f64; 4]]) -> String {
+pub(crate) fn heat_map(found: &Frame, truth: &[[f64; 4]]) -> String {
     address(found.size, &colors(&found.pixels, truth))
 }
 

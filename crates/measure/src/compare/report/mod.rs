@@ -31,7 +31,7 @@ const PICTURES: [usize; 2] = [6, 2];
 pub struct Report {
     /// Name of the scene.
     pub title: String,
-    /// Hash of [`scene_text`].
+    /// Hash of `scene_text`.
     pub hash: String,
     /// The error that pixels of a reference are allowed.
     pub tolerance: f64,
@@ -50,7 +50,7 @@ pub struct Report {
 }
 
 /// The scene as it is written to a file, its files without the folders that they lie in.
-pub fn scene_text(scene: &Scene) -> String {
+pub(crate) fn scene_text(scene: &Scene) -> String {
     let mut scene = scene.clone();
     for object in scene.parts.values_mut().map(|part| &mut part.object).chain([&mut scene.object]) {
         object.input = file_name(&object.input);

@@ -122,7 +122,7 @@ impl<'a, const N: usize> Elements<'a, N> {
     }
 
     /// Largest value of an index type, which would restart a strip.
-    pub fn largest_index(&self) -> f64 {
+    pub(crate) fn largest_index(&self) -> f64 {
         2_f64.powi(8 * self.component.bytes() as i32) - 1.0
     }
 

@@ -48,7 +48,7 @@ pub struct Document<'a> {
 
 impl Document<'_> {
     /// Whether the material of a primitive cuts parts of it away.
-    pub fn is_masked(&self, primitive: &Primitive) -> bool {
+    pub(crate) fn is_masked(&self, primitive: &Primitive) -> bool {
         let material = primitive.material.and_then(|index| self.materials.get(index as usize));
         material.is_some_and(|material| material.alpha_mode.as_deref() == Some("MASK"))
     }
@@ -56,7 +56,7 @@ impl Document<'_> {
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Asset {
+pub(crate) struct Asset {
     pub version: String,
     pub min_version: Option<String>,
 }
@@ -107,7 +107,7 @@ pub struct Material {
 }
 
 #[derive(Deserialize)]
-pub struct Attributes {
+pub(crate) struct Attributes {
     #[serde(rename = "POSITION")]
     pub position: Option<u32>,
     #[serde(rename = "COLOR_0")]
@@ -116,7 +116,7 @@ pub struct Attributes {
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Accessor {
+pub(crate) struct Accessor {
     pub buffer_view: Option<u32>,
     #[serde(default)]
     pub byte_offset: u64,
@@ -138,7 +138,7 @@ pub struct Sparse {
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
-pub struct SparsePart {
+pub(crate) struct SparsePart {
     pub buffer_view: u32,
     #[serde(default)]
     pub byte_offset: u64,
@@ -247,7 +247,7 @@ impl Extensions {
     }
 
     /// Checks that no required extension may change the geometry: an unknown one may not occur in the file beyond its list.
-    pub fn check_required(source: &Source, json: &[u8], required: &[String]) -> Result<(), ShapeError> {
+    pub(crate) fn check_required(source: &Source, json: &[u8], required: &[String]) -> Result<(), ShapeError> {
         let is_harmless = |name: &str| Extensions::HARMLESS.iter().any(|start| name.starts_with(start));
         for (index, name) in required.iter().enumerate().filter(|(_, name)| !is_harmless(name)) {
             if Extensions::GEOMETRY.contains(&name.as_str()) || is_key(json, name) {
@@ -310,7 +310,7 @@ pub fn entry<'b, T>(
 }
 
 /// The part of the JSON that `T` describes.
-pub fn json_as<'a, T: Deserialize<'a>>(source: &Source, json: &'a [u8]) -> Result<T, ShapeError> {
+pub(crate) fn json_as<'a, T: Deserialize<'a>>(source: &Source, json: &'a [u8]) -> Result<T, ShapeError> {
     let json = json.strip_prefix(MARK).unwrap_or(json); // some GLB files have a mark
     let end = json.iter().rposition(|byte| *byte != 0).map_or(0, |last| last + 1);
     let json = &json[..end]; // and some are padded with zeros

@@ -19,7 +19,7 @@ use std::sync::Arc;
 
 /// Colors in the JSON.
 #[derive(Deserialize)]
-pub struct Materials<'a> {
+pub(crate) struct Materials<'a> {
     #[serde(default, deserialize_with = "list")]
     meshes: Vec<Mesh>,
     #[serde(default, deserialize_with = "list")]
@@ -141,7 +141,7 @@ struct Sampler {
 }
 
 /// Spots of the vertices of a primitive.
-pub struct Spots<'a> {
+pub(crate) struct Spots<'a> {
     material: u32,
     coordinates: Option<(Elements<'a, 2>, Transform)>,
 }

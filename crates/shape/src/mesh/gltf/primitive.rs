@@ -17,7 +17,7 @@ use std::collections::HashMap;
 
 /// Mesh in its local coordinates.
 #[derive(Default)]
-pub struct MeshPart {
+pub(crate) struct MeshPart {
     pub positions: Vec<DVec3>,
     /// Linear RGB of each position; white where a primitive has no colors.
     pub colors: Vec<[f32; 3]>,

@@ -18,7 +18,7 @@ const MAX_LENGTH_ERROR: f64 = 0.01;
 const MAX_ROW_ERROR: f64 = 1e-3;
 
 /// All triangles of a scene.
-pub struct SceneMesh {
+pub(crate) struct SceneMesh {
     pub positions: Vec<DVec3>,
     /// Linear RGB of each position; empty without colors.
     pub colors: Vec<[f32; 3]>,

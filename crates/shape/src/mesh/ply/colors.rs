@@ -26,7 +26,7 @@ impl Channels {
         Channels { places: found.map(|channel| channel.map(|(place, _)| place)), are_bytes }
     }
 
-    pub fn are_there(&self) -> bool {
+    pub(crate) fn are_there(&self) -> bool {
         self.places[0].is_some()
     }
 

@@ -155,7 +155,7 @@ impl<'a, 'b> Values<'a, 'b> {
     }
 
     /// Notes bytes after the last element.
-    pub fn note_rest(&mut self) {
+    pub(crate) fn note_rest(&mut self) {
         if self.surplus > 0 {
             self.source.note(format!(
                 "lines have more numbers than the header declares, which are left out: {}",

@@ -40,7 +40,7 @@ pub(super) enum Fault {
 
 impl PixelEncoding {
     /// Highest expansion.
-    pub fn max_ratio(self) -> u64 {
+    pub(crate) fn max_ratio(self) -> u64 {
         match self {
             PixelEncoding::Plain => 1,
             PixelEncoding::Rle => MAX_RLE_RATIO,

@@ -263,7 +263,7 @@ impl Image {
     }
 
     /// Whether the image is a single slice.
-    pub fn is_slice(&self) -> bool {
+    pub(crate) fn is_slice(&self) -> bool {
         self.is_picture() && self.frames.len() < 2 && self.count < 2
     }
 

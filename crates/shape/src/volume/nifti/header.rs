@@ -168,7 +168,7 @@ impl<'s, 'a> NiftiHeader<'s, 'a> {
     }
 
     /// Whether the data is in a separate file.
-    pub fn is_pair(&self) -> bool {
+    pub(crate) fn is_pair(&self) -> bool {
         self.is_analyze || self.bytes[self.layout.magic..].starts_with(self.layout.pair)
     }
 

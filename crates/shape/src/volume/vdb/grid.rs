@@ -91,7 +91,7 @@ impl Grid {
     }
 
     /// The tree of this grid with the meaning of an instance.
-    pub fn shared_with(&self, instance: &Grid) -> Grid {
+    pub(crate) fn shared_with(&self, instance: &Grid) -> Grid {
         Grid { content: instance.content, ..self.clone() }
     }
 
