@@ -6,4 +6,4 @@ mod modules;
 mod scene;
 
 pub(crate) use frames::{Motion, ShardChoice, Times, frames_of, shard, warn_of_order};
-pub(crate) use scene::{ObjectFlags, RequestedScene, SceneArguments, files_read, metric, reach, size, smooth};
+pub(crate) use scene::{ObjectFlags, SceneArguments, SceneInput, files_read, metric, reach, size, smooth};

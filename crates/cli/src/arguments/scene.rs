@@ -67,27 +67,31 @@ pub(crate) struct SceneArguments {
     pub settings: Flags<false>,
 }
 
-/// The scene of a command line.
-pub(crate) struct RequestedScene {
-    /// The scene with its motion.
-    pub moving: Scene,
-    /// The scene before the arguments: the preset, the preset nearest to a file, or the scene of a picture.
-    pub base: Scene,
+/// The scene of an input and of arguments.
+pub(crate) struct SceneInput {
+    /// The scene with the arguments.
+    pub(crate) scene: Scene,
+    /// The one before them: the preset, the preset nearest to a file, or the scene of a picture.
+    pub(crate) base: Scene,
+    /// Whether a flag, `--set`, a scene file or the scene of a picture sets the number of rays of a pixel.
+    pub(crate) sets_rays_of_a_pixel: bool,
 }
 
 /// Default supersampling of final pictures.
 const SMOOTH: u32 = 4;
 
-impl RequestedScene {
-    /// Antialiases a final picture, unless its scene says how many rays a pixel has.
-    pub fn smooth(mut self) -> RequestedScene {
-        [&mut self.moving, &mut self.base].into_iter().for_each(smooth);
+impl SceneInput {
+    /// Antialiases a final picture, unless the number of rays of a pixel is set.
+    pub(crate) fn smooth(mut self) -> SceneInput {
+        if !self.sets_rays_of_a_pixel {
+            [&mut self.scene, &mut self.base].into_iter().for_each(smooth);
+        }
         self
     }
 
     /// The scene at its time.
-    pub fn still(self) -> Result<RequestedScene, SceneError> {
-        Ok(RequestedScene { moving: self.moving.moment()?.into_owned(), base: self.base })
+    pub(crate) fn still(self) -> Result<SceneInput, SceneError> {
+        Ok(SceneInput { scene: self.scene.moment()?.into_owned(), ..self })
     }
 }
 
@@ -123,12 +127,12 @@ pub(crate) fn size(text: &str) -> Result<[u32; 2], String> {
 impl SceneArguments {
     /// The scene of an input at its time.
     pub fn scene(&self, input: &str, object: &ObjectFlags) -> Result<Scene, Box<dyn Error>> {
-        Ok(self.request(input, object)?.moving.moment()?.into_owned())
+        Ok(self.scene_and_base(input, object)?.scene.moment()?.into_owned())
     }
 
     /// Scene of an input with the arguments applied: a scene file, the scene of a picture, an example scene, or the preset
     /// of the effect.
-    pub fn request(&self, input: &str, object: &ObjectFlags) -> Result<RequestedScene, Box<dyn Error>> {
+    pub fn scene_and_base(&self, input: &str, object: &ObjectFlags) -> Result<SceneInput, Box<dyn Error>> {
         let mut scene = self.start(input)?;
         let is_file = Path::new(input).extension().is_some_and(|end| end.eq_ignore_ascii_case("toml"));
         let mut base = match (is_file, &self.effect) {
@@ -139,11 +143,11 @@ impl SceneArguments {
         self.apply_look(&mut base);
         object.apply(&mut scene)?;
         self.apply(&mut scene)?;
-        Ok(RequestedScene { moving: scene, base })
+        Ok(SceneInput { scene, base, sets_rays_of_a_pixel: self.says_rays_of_a_pixel(input) })
     }
 
     /// Whether a flag, `--set`, a scene file or the scene of a picture sets the number of rays of a pixel.
-    pub fn says_rays_of_a_pixel(&self, input: &str) -> bool {
+    fn says_rays_of_a_pixel(&self, input: &str) -> bool {
         let path = Path::new(input);
         let ends = |end: &str| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(end));
         let text = if ends("toml") { fs::read_to_string(path).unwrap_or_default() } else { String::new() };

@@ -1,7 +1,7 @@
 //! Error against run time, from the command line.
 
 use super::export::live;
-use crate::arguments::{ObjectFlags, RequestedScene, SceneArguments};
+use crate::arguments::{ObjectFlags, SceneArguments, SceneInput};
 use crate::session::{
     CheckedScene, Failed, Interrupted, Outputs, Preparation, Prepared, make_folder, say_fault, start, stop_flag,
 };
@@ -168,14 +168,14 @@ fn live_pages(
 }
 
 /// The scene and what to do with it.
-fn plan(command: &Compare) -> Result<(RequestedScene, Settings), Box<dyn Error>> {
+fn plan(command: &Compare) -> Result<(SceneInput, Settings), Box<dyn Error>> {
     let repeat = command.repeat.unwrap_or(if command.thorough { 31 } else { 7 });
     if !(1..=1000).contains(&repeat) {
         return Err(format!("--repeat {repeat}: must be from 1 to 1000").into());
     }
-    let mut scene = command.arguments.request(command.input(), &command.object)?.still()?;
+    let mut scene = command.arguments.scene_and_base(command.input(), &command.object)?.still()?;
     if !command.arguments.settings.has("image.size") {
-        scene.moving.image.size = SIZE;
+        scene.scene.image.size = SIZE;
     }
     let (samples, strategies) = (command.sweep.clone(), command.strategies.clone());
     Ok((scene, Settings { sweep: Sweep { quick: !command.thorough, samples, strategies, filters: false }, repeat }))

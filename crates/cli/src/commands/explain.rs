@@ -40,7 +40,7 @@ pub(crate) struct Explain {
 
 /// Draws the picture, and again without each saving.
 pub(crate) fn run(command: &Explain, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
-    let scene = CheckedScene::of(command.arguments.request(&command.input, &command.object)?.still()?)?;
+    let scene = CheckedScene::of(command.arguments.scene_and_base(&command.input, &command.object)?.still()?)?;
     let (input, outputs) = (command.input.as_str(), &Outputs::NONE);
     let preparation = Preparation { input, outputs, device: Some(options), serves_all_moments: false, quiet };
     let prepared = scene.prepare(&preparation)?;

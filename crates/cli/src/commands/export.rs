@@ -2,7 +2,7 @@
 
 use super::render::picture::draw;
 #[cfg(feature = "viewer")]
-use crate::arguments::RequestedScene;
+use crate::arguments::SceneInput;
 use crate::arguments::{ObjectFlags, SceneArguments};
 use crate::session::{CheckedScene, Outputs, Preparation, Prepared, say_fault, with_device};
 use crate::terminal::{absolute, say, with_progress};
@@ -68,10 +68,9 @@ fn checked(
     (name, input): (&str, &str),
     (arguments, object): (&SceneArguments, &ObjectFlags),
 ) -> Result<(CheckedScene, String), Box<dyn Error>> {
-    let scene = arguments.request(input, object)?;
-    let command = command_of(name, &scene.moving, &scene.moving.library()?);
-    let scene = if arguments.says_rays_of_a_pixel(input) { scene } else { scene.smooth() };
-    Ok((CheckedScene::of(scene)?, command))
+    let scene = arguments.scene_and_base(input, object)?;
+    let command = command_of(name, &scene.scene, &scene.scene.library()?);
+    Ok((CheckedScene::of(scene.smooth())?, command))
 }
 
 /// Prepares a scene and makes its programs and inputs.
@@ -103,11 +102,11 @@ pub(crate) fn web(command: &Web, options: &Options, quiet: bool) -> Result<(), B
 #[cfg(feature = "viewer")]
 pub(crate) fn web_of(
     command: &Web,
-    (scene, library): (RequestedScene, Library),
+    (scene, library): (SceneInput, Library),
     options: &Options,
     quiet: bool,
 ) -> Result<(), Box<dyn Error>> {
-    let line = command_of("web", &scene.moving, &library);
+    let line = command_of("web", &scene.scene, &library);
     let scene = CheckedScene::with_library(scene.smooth(), library)?;
     let title = command.path()?.file_stem().unwrap_or_default().to_string_lossy().replace('_', " ");
     write_page(command, (scene, line), &title, options, quiet)

@@ -80,7 +80,7 @@ const SPECK: f64 = 1e-3;
 /// Polygonizes the surface and writes it.
 pub(crate) fn run(command: &Mesh, quiet: bool) -> Result<(), Box<dyn Error>> {
     command.format()?;
-    let scene = command.arguments.request(&command.input, &command.object)?;
+    let scene = command.arguments.scene_and_base(&command.input, &command.object)?;
     export(command, CheckedScene::of(scene)?, quiet)
 }
 

@@ -68,7 +68,7 @@ pub(crate) struct NoWindow(ViewError);
 /// Shows the window.
 pub fn run(command: ViewArguments, options: Options) -> Result<(), Box<dyn Error>> {
     let began = Instant::now();
-    let scene = command.arguments.request(&command.input, &command.object)?.moving;
+    let scene = command.arguments.scene_and_base(&command.input, &command.object)?.scene;
     let (_, library) = checked(&scene)?;
     if let Some(file) = &command.screenshot {
         hypertexture::output::check(file)?;

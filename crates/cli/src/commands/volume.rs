@@ -58,7 +58,7 @@ pub struct Volume {
 /// Evaluates the voxels of each frame and writes them.
 pub(crate) fn run(command: &Volume, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     command.format()?;
-    let scene = command.arguments.request(&command.input, &command.object)?;
+    let scene = command.arguments.scene_and_base(&command.input, &command.object)?;
     export(command, options, CheckedScene::of(scene)?, quiet)
 }
 

@@ -1,7 +1,7 @@
 //! The job of the window that renders final pictures and exports meshes, volumes and pages.
 
 use super::command_line::{Arguments, Command};
-use crate::arguments::RequestedScene;
+use crate::arguments::SceneInput;
 use crate::commands::render::render;
 use crate::commands::{export, mesh, volume};
 use crate::session::CheckedScene;
@@ -52,7 +52,7 @@ pub fn serve(mut parent: Parent, options: &Options) -> io::Result<()> {
 fn render_job(job: RenderJob, options: &Options) -> Result<(), Box<dyn Error>> {
     let scene = scene::parse(&job.scene, "scene")?;
     let library = shader::shipped_with(job.changed).compiled_by(&std::env::current_exe()?);
-    let scene = RequestedScene { base: scene::nearest_preset(&scene), moving: scene };
+    let scene = SceneInput { base: scene::nearest_preset(&scene), scene, sets_rays_of_a_pixel: false };
     let checked = |scene| CheckedScene::with_library(scene, library.clone());
     match Arguments::try_parse_from(job.command)?.command {
         Command::Render(command) => render(&command, options, true, checked(scene)?),

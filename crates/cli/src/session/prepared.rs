@@ -5,7 +5,7 @@
 
 use super::device::{checked, try_in_sandbox};
 use super::files::check_folder;
-use crate::arguments::{RequestedScene, files_read};
+use crate::arguments::{SceneInput, files_read};
 use crate::terminal::with_progress;
 use hypertexture::gpu::Options;
 use hypertexture::output;
@@ -100,7 +100,7 @@ impl CheckedScene {
     ///
     /// # Errors
     /// A fault of the scene.
-    pub(crate) fn of(RequestedScene { moving, base }: RequestedScene) -> Result<CheckedScene, Box<dyn Error>> {
+    pub(crate) fn of(SceneInput { scene: moving, base, .. }: SceneInput) -> Result<CheckedScene, Box<dyn Error>> {
         let (variant, library) = checked(&moving)?;
         Ok(CheckedScene { moving, base, variant, library })
     }
@@ -110,8 +110,8 @@ impl CheckedScene {
     /// # Errors
     /// A fault of the scene.
     #[cfg(feature = "viewer")]
-    pub(crate) fn with_library(scene: RequestedScene, library: Library) -> Result<CheckedScene, VariantError> {
-        let RequestedScene { moving, base } = scene;
+    pub(crate) fn with_library(scene: SceneInput, library: Library) -> Result<CheckedScene, VariantError> {
+        let SceneInput { scene: moving, base, .. } = scene;
         let variant = Variant::of(&moving, &library)?;
         Ok(CheckedScene { moving, base, variant, library })
     }

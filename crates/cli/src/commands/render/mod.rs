@@ -175,9 +175,8 @@ fn ends(path: &Path, end: &str) -> bool {
 
 /// Renders, or predicts the cost.
 pub(crate) fn run(command: &Render, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
-    let scene = command.arguments.request(&command.input, &command.object)?;
-    let is_smooth = command.max_error.is_none() && !command.arguments.says_rays_of_a_pixel(&command.input);
-    let scene = if is_smooth { scene.smooth() } else { scene };
+    let scene = command.arguments.scene_and_base(&command.input, &command.object)?;
+    let scene = if command.max_error.is_none() { scene.smooth() } else { scene };
     render(command, options, quiet, CheckedScene::of(scene)?)
 }
 
