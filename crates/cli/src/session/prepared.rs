@@ -9,7 +9,7 @@ use crate::arguments::{SceneInput, files_read};
 use crate::terminal::with_progress;
 use hypertexture::gpu::Options;
 use hypertexture::output;
-use hypertexture::render::variant::{Variant, VariantError};
+use hypertexture::render::variant::Variant;
 use hypertexture::render::{ModuleFault, Subject, find_module_fault, widest};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
@@ -110,7 +110,7 @@ impl CheckedScene {
     /// # Errors
     /// A fault of the scene.
     #[cfg(feature = "viewer")]
-    pub(crate) fn with_library(scene: SceneInput, library: Library) -> Result<CheckedScene, VariantError> {
+    pub(crate) fn with_library(scene: SceneInput, library: Library) -> Result<CheckedScene, Box<dyn Error>> {
         let SceneInput { scene: moving, base, .. } = scene;
         let variant = Variant::of(&moving, &library)?;
         Ok(CheckedScene { moving, base, variant, library })
