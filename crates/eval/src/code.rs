@@ -8,7 +8,7 @@ use crate::number::{Binary, Comparison, IntBinary, IntUnary, Unary};
 
 /// The register files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum File {
+pub(crate) enum File {
     Float,
     Int,
     Bool,
@@ -24,7 +24,7 @@ pub(crate) struct Reg {
 
 /// An operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Op {
+pub(crate) enum Op {
     /// No operation: a removed instruction.
     Nop,
     Copy,
@@ -78,7 +78,7 @@ pub(crate) struct Instr {
 /// The place of an instruction, an index of [`Code::places`]. Not part of a fingerprint: all places are equal and print
 /// nothing.
 #[derive(Clone, Copy, Default)]
-pub struct At(pub u32);
+pub(crate) struct At(pub u32);
 
 impl std::fmt::Debug for At {
     fn fmt(&self, _: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -105,7 +105,7 @@ pub(crate) struct Lookup {
 
 /// An image of 1, 2 or 3 axes, with its sampler.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Pair {
+pub(crate) struct Pair {
     pub image: u32,
     pub sampler: Option<u32>,
     pub axes: usize,
@@ -113,7 +113,7 @@ pub struct Pair {
 
 /// Source of a uniform register.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Source {
+pub(crate) enum Source {
     Float(u64),
     Int(u32, bool),
     Bool(bool),
@@ -132,11 +132,11 @@ pub enum Source {
 }
 
 /// Registers that a part of the program writes and later parts may read.
-pub type Written = Vec<Reg>;
+pub(crate) type Written = Vec<Reg>;
 
 /// Structured control flow over ranges of instructions.
 #[derive(Clone, Debug)]
-pub enum Node {
+pub(crate) enum Node {
     Run(usize, usize),
     If {
         condition: Reg,
@@ -166,7 +166,7 @@ pub enum Node {
 
 /// A loop: its body, the block after it and after every `continue`, and the exit condition.
 #[derive(Clone, Debug)]
-pub struct Loop {
+pub(crate) struct Loop {
     pub body: Vec<Node>,
     pub continuing: Vec<Node>,
     pub break_if: Option<Reg>,
@@ -178,7 +178,7 @@ pub struct Loop {
 
 /// File and line, for errors. Not part of a fingerprint: prints nothing.
 #[derive(Clone)]
-pub struct Place(pub String);
+pub(crate) struct Place(pub String);
 
 impl std::fmt::Debug for Place {
     fn fmt(&self, _: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -188,7 +188,7 @@ impl std::fmt::Debug for Place {
 
 /// A case of a switch, entered for one of `values`, or for all other values if it is the default.
 #[derive(Clone, Debug)]
-pub struct Case {
+pub(crate) struct Case {
     pub values: Vec<u32>,
     pub default: bool,
     pub body: Vec<Node>,
@@ -198,14 +198,14 @@ pub struct Case {
 
 /// An input of a lane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Input {
+pub(crate) enum Input {
     Fragment,
     Varying(u32),
 }
 
 /// A lowered program.
 #[derive(Debug, Default)]
-pub struct Code {
+pub(crate) struct Code {
     /// Instructions over uniform registers, run once.
     pub prelude: Vec<Instr>,
     pub instrs: Vec<Instr>,
@@ -230,7 +230,7 @@ pub struct Code {
 
 impl Instr {
     /// An instruction with some operands, unmasked and of unknown place.
-    pub fn new(op: Op, dst: Reg, operands: &[Reg]) -> Instr {
+    pub(crate) fn new(op: Op, dst: Reg, operands: &[Reg]) -> Instr {
         let mut sources = [operands[0]; 3];
         sources[..operands.len()].copy_from_slice(operands);
         Instr { op, signed: false, masked: false, dst, sources, count: operands.len() as u8, table: 0, at: At(0) }
@@ -244,7 +244,7 @@ impl Instr {
 
 impl Code {
     /// Calls `on` with every register that an instruction reads.
-    pub fn reads(&self, instr: &Instr, mut on: impl FnMut(Reg)) {
+    pub(crate) fn reads(&self, instr: &Instr, mut on: impl FnMut(Reg)) {
         match instr.op {
             Op::Nop => {}
             Op::Sample | Op::Fetch => self.lookups[instr.table as usize].at.iter().copied().for_each(on),
@@ -258,7 +258,7 @@ impl Code {
     }
 
     /// Calls `on` with every register that an instruction writes.
-    pub fn writes(&self, instr: &Instr, mut on: impl FnMut(Reg)) {
+    pub(crate) fn writes(&self, instr: &Instr, mut on: impl FnMut(Reg)) {
         match instr.op {
             Op::Nop => {}
             Op::Sample | Op::Fetch => {
@@ -280,7 +280,7 @@ impl Code {
 
 impl Node {
     /// The child blocks.
-    pub fn children(&mut self) -> Vec<&mut Vec<Node>> {
+    pub(crate) fn children(&mut self) -> Vec<&mut Vec<Node>> {
         match self {
             Node::If { accept, reject, .. } => vec![accept, reject],
             Node::Loop(node) => vec![&mut node.body, &mut node.continuing],
@@ -302,7 +302,7 @@ impl Node {
     }
 
     /// The list of registers that the node writes.
-    pub fn written(&mut self) -> Option<&mut Written> {
+    pub(crate) fn written(&mut self) -> Option<&mut Written> {
         match self {
             Node::If { written, .. } | Node::Switch { written, .. } | Node::Scope { written, .. } => Some(written),
             Node::Loop(node) => Some(&mut node.written),

@@ -7,7 +7,7 @@ use crate::texture::Image;
 use std::fmt::Debug;
 
 /// Lanes whose values lie side by side in memory: enough for one vector of a processor.
-pub const GROUP: usize = 8;
+pub(crate) const GROUP: usize = 8;
 
 /// A value of one lane, stored in groups of lanes as one array for each of its parts.
 pub trait Packed: Copy + Debug + Send + Sync + 'static {

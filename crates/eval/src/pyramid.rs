@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 /// Longest side of a box whose elements are visited one by one.
-pub const FEW: usize = 3;
+pub(crate) const FEW: usize = 3;
 
 /// Minima and maxima of cubes with sides of 2, 4, 8 and more texels.
 #[derive(Debug)]
@@ -21,7 +21,7 @@ struct Level {
 pub(crate) type Extremes = [[f32; 4]; 2];
 
 /// The extremes of a range of elements of a grid.
-pub fn range(size: [usize; 3], [x, y, z]: [[usize; 2]; 3], at: impl Fn(usize) -> Extremes) -> Extremes {
+pub(crate) fn range(size: [usize; 3], [x, y, z]: [[usize; 2]; 3], at: impl Fn(usize) -> Extremes) -> Extremes {
     let [mut least, mut most] = [[f32::INFINITY; 4], [f32::NEG_INFINITY; 4]];
     for k in z[0]..=z[1] {
         for j in y[0]..=y[1] {
@@ -54,7 +54,7 @@ impl Level {
 }
 
 impl Pyramid {
-    pub fn new(size: [u32; 3], texels: &[[f32; 4]]) -> Pyramid {
+    pub(crate) fn new(size: [u32; 3], texels: &[[f32; 4]]) -> Pyramid {
         let mut levels = vec![Level::over(size.map(|side| side as usize), |index| [texels[index]; 2])];
         while let Some(last) = levels.last().filter(|level| level.size.iter().any(|side| *side > 1)) {
             levels.push(Level::over(last.size, |index| last.ranges[index]));
@@ -63,7 +63,7 @@ impl Pyramid {
     }
 
     /// The range over a box of texels with this longest side, from one level: at most four cubes along each axis.
-    pub fn range(&self, of: [[usize; 2]; 3], longest: usize) -> Extremes {
+    pub(crate) fn range(&self, of: [[usize; 2]; 3], longest: usize) -> Extremes {
         let level = (1..self.levels.len()).find(|level| longest >> level < FEW).unwrap_or(self.levels.len());
         let Level { size, ranges } = &self.levels[level - 1];
         range(*size, of.map(|ends| ends.map(|index| index >> level)), |index| ranges[index])

@@ -84,7 +84,7 @@ pub fn members(text: &str) -> Vec<(&str, &str)> {
 }
 
 /// Fields accessed in variables of a type.
-pub fn fields<'a>(text: &'a str, of_type: &str) -> BTreeSet<&'a str> {
+pub(crate) fn fields<'a>(text: &'a str, of_type: &str) -> BTreeSet<&'a str> {
     let words = words(text);
     let variables: BTreeSet<&str> = words.windows(2).filter(|pair| pair[0] == of_type).map(|pair| pair[1]).collect();
     let read = words.windows(3).filter(|three| three[1] == "." && variables.contains(three[0]));
@@ -92,7 +92,7 @@ pub fn fields<'a>(text: &'a str, of_type: &str) -> BTreeSet<&'a str> {
 }
 
 /// Global definitions of a file: functions, constants, variables, structures, macros, resources and members of uniform blocks.
-pub fn definitions(text: &str) -> BTreeSet<String> {
+pub(crate) fn definitions(text: &str) -> BTreeSet<String> {
     let words = words(text);
     let mut found: BTreeSet<String> = members(text).into_iter().map(|(_, name)| name.to_string()).collect();
     let (mut braces, mut parentheses) = (0, 0);
@@ -145,7 +145,7 @@ pub(crate) fn has_state(text: &str) -> bool {
 }
 
 /// Whether a file uses any of the names.
-pub fn uses(text: &str, names: &BTreeSet<String>) -> bool {
+pub(crate) fn uses(text: &str, names: &BTreeSet<String>) -> bool {
     rename(text, names, "_2") != text
 }
 
@@ -166,7 +166,7 @@ pub fn find_word(text: &str, is: impl Fn(&str) -> bool) -> Option<(usize, &str)>
 }
 
 /// Appends `suffix` to the names, as [`suffixed`], except to fields after a dot and in structures.
-pub fn rename(text: &str, names: &BTreeSet<String>, suffix: &str) -> String {
+pub(crate) fn rename(text: &str, names: &BTreeSet<String>, suffix: &str) -> String {
     let mut out = String::with_capacity(text.len() + text.len() / 8);
     let mut tokens = tokens(text).peekable();
     let (mut last, mut before_last, mut in_structure) = ("", "", false);

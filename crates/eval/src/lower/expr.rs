@@ -10,7 +10,11 @@ use std::rc::Rc;
 
 impl<'m> Lower<'m> {
     /// Lowers an expression at its first use.
-    pub fn lowered(&mut self, frame: &mut CallFrame<'m>, handle: Handle<Expression>) -> Result<Lowered, ExactError> {
+    pub(crate) fn lowered(
+        &mut self,
+        frame: &mut CallFrame<'m>,
+        handle: Handle<Expression>,
+    ) -> Result<Lowered, ExactError> {
         if let Some(lowered) = frame.lowered.get(&handle) {
             return Ok(lowered.clone());
         }
@@ -20,14 +24,14 @@ impl<'m> Lower<'m> {
         Ok(lowered)
     }
 
-    pub fn value(&mut self, frame: &mut CallFrame<'m>, handle: Handle<Expression>) -> Result<Value, ExactError> {
+    pub(crate) fn value(&mut self, frame: &mut CallFrame<'m>, handle: Handle<Expression>) -> Result<Value, ExactError> {
         match self.lowered(frame, handle)? {
             Lowered::Value(value) => Ok(value),
             _ => Err(self.uncovered("a pointer, image or sampler as a value")),
         }
     }
 
-    pub fn scalar(&mut self, frame: &mut CallFrame<'m>, handle: Handle<Expression>) -> Result<Reg, ExactError> {
+    pub(crate) fn scalar(&mut self, frame: &mut CallFrame<'m>, handle: Handle<Expression>) -> Result<Reg, ExactError> {
         let value = self.value(frame, handle)?;
         if value.regs.len() == 1 { Ok(value.regs[0]) } else { Err(self.uncovered("a vector in place of a scalar")) }
     }
@@ -44,7 +48,7 @@ impl<'m> Lower<'m> {
     }
 
     /// The value of a constant expression of the module.
-    pub fn constant(&mut self, handle: Handle<Expression>) -> Result<Value, ExactError> {
+    pub(crate) fn constant(&mut self, handle: Handle<Expression>) -> Result<Value, ExactError> {
         match self.module.global_expressions[handle].clone() {
             Expression::Literal(literal) => self.literal(literal),
             Expression::Constant(constant) => self.constant(self.module.constants[constant].init),
@@ -279,13 +283,13 @@ impl<'m> Lower<'m> {
     }
 
     /// Copies the current value of a variable.
-    pub fn copy(&mut self, reg: Reg) -> Reg {
+    pub(crate) fn copy(&mut self, reg: Reg) -> Reg {
         let dst = self.register(reg.file, Class::Temporary);
         self.push(Instr::new(Op::Copy, dst, &[reg]));
         dst
     }
 
-    pub fn store(&mut self, place: &Variable, value: &Value) {
+    pub(crate) fn store(&mut self, place: &Variable, value: &Value) {
         for (choice, regs) in place.choices.iter().enumerate() {
             for (dst, value) in regs.iter().zip(value.regs.iter()) {
                 match place.index {

@@ -12,7 +12,7 @@ use std::rc::Rc;
 
 /// Class of a register with a value for each lane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Class {
+pub(crate) enum Class {
     /// Written once, before every read.
     Temporary,
     /// Written on every path to its reads, in the same iteration of each loop around both.
@@ -24,7 +24,7 @@ pub enum Class {
 /// Nested calls beyond which a program counts as recursive.
 const DEEPEST: usize = 200;
 
-pub struct Lower<'m> {
+pub(crate) struct Lower<'m> {
     pub module: &'m Module,
     pub words: &'m Words,
     pub code: Code,
@@ -55,7 +55,7 @@ pub(crate) struct CallFrame<'m> {
 }
 
 /// The program of the fragment stage, and the class of each of its registers.
-pub fn lower<'m>(
+pub(crate) fn lower<'m>(
     module: &'m Module,
     words: &'m Words,
     watch: Option<&'m Watch<'m>>,
@@ -111,12 +111,12 @@ impl<'m> Lower<'m> {
         ExactError::Uncovered { construct: construct.into(), place: place.unwrap_or_else(unknown_place) }
     }
 
-    pub fn ty(&self, ty: Handle<naga::Type>) -> Result<Ty, ExactError> {
+    pub(crate) fn ty(&self, ty: Handle<naga::Type>) -> Result<Ty, ExactError> {
         Ty::of(self.module, ty).map_err(|construct| self.uncovered(construct))
     }
 
     /// Ends the current basic block.
-    pub fn flush(&mut self) {
+    pub(crate) fn flush(&mut self) {
         if self.code.instrs.len() > self.run_start {
             self.nodes.push(Node::Run(self.run_start, self.code.instrs.len()));
         }
@@ -136,7 +136,7 @@ impl<'m> Lower<'m> {
     }
 
     /// The uniform register of a source.
-    pub fn source(&mut self, file: File, source: Source) -> Reg {
+    pub(crate) fn source(&mut self, file: File, source: Source) -> Reg {
         if let Some(reg) = self.interned.get(&source) {
             return *reg;
         }
@@ -146,16 +146,16 @@ impl<'m> Lower<'m> {
         reg
     }
 
-    pub fn float(&mut self, x: f64) -> Reg {
+    pub(crate) fn float(&mut self, x: f64) -> Reg {
         self.source(File::Float, Source::Float(x.to_bits()))
     }
 
-    pub fn int(&mut self, bits: u32, signed: bool) -> Reg {
+    pub(crate) fn int(&mut self, bits: u32, signed: bool) -> Reg {
         self.source(File::Int, Source::Int(bits, signed))
     }
 
     /// Emits an operation and returns its result. Operations on uniforms go to the prelude, once each.
-    pub fn emit(&mut self, op: Op, signed: bool, sources: &[Reg]) -> Reg {
+    pub(crate) fn emit(&mut self, op: Op, signed: bool, sources: &[Reg]) -> Reg {
         self.emit_table(op, signed, sources, &[])
     }
 
@@ -190,23 +190,27 @@ impl<'m> Lower<'m> {
     }
 
     /// Assigns to a variable in the active lanes.
-    pub fn assign(&mut self, dst: Reg, value: Reg) {
+    pub(crate) fn assign(&mut self, dst: Reg, value: Reg) {
         self.push(Instr { masked: true, ..Instr::new(Op::Copy, dst, &[value]) });
     }
 
     /// Appends an instruction of the current expression.
-    pub fn push(&mut self, instr: Instr) {
+    pub(crate) fn push(&mut self, instr: Instr) {
         self.code.instrs.push(Instr { at: self.at, ..instr });
     }
 
     /// A new variable.
-    pub fn variable(&mut self, ty: Ty, class: Class) -> Variable {
+    pub(crate) fn variable(&mut self, ty: Ty, class: Class) -> Variable {
         let regs: Rc<[Reg]> = ty.kinds().into_iter().map(|kind| self.register(kind.file(), class)).collect();
         Variable { ty, choices: vec![regs], index: None }
     }
 
     /// Inlines a function.
-    pub fn call(&mut self, function: &'m Function, arguments: Vec<Lowered>) -> Result<Option<Value>, ExactError> {
+    pub(crate) fn call(
+        &mut self,
+        function: &'m Function,
+        arguments: Vec<Lowered>,
+    ) -> Result<Option<Value>, ExactError> {
         self.depth += 1;
         if self.depth > DEEPEST {
             return Err(self.uncovered("a recursive function"));
@@ -274,7 +278,7 @@ impl<'m> Lower<'m> {
     }
 
     /// The zero of a type.
-    pub fn zero(&mut self, ty: Ty) -> Value {
+    pub(crate) fn zero(&mut self, ty: Ty) -> Value {
         self.all(ty, 0.0)
     }
 
@@ -294,12 +298,12 @@ impl<'m> Lower<'m> {
         Value::new(ty, regs)
     }
 
-    pub fn block(&mut self, frame: &mut CallFrame<'m>, block: &'m Block) -> Result<(), ExactError> {
+    pub(crate) fn block(&mut self, frame: &mut CallFrame<'m>, block: &'m Block) -> Result<(), ExactError> {
         self.statements(frame, block.iter())
     }
 
     /// Lowers a block to nodes of its own.
-    pub fn nested(&mut self, frame: &mut CallFrame<'m>, block: &'m Block) -> Result<Vec<Node>, ExactError> {
+    pub(crate) fn nested(&mut self, frame: &mut CallFrame<'m>, block: &'m Block) -> Result<Vec<Node>, ExactError> {
         self.flush();
         let outer = std::mem::take(&mut self.nodes);
         self.block(frame, block)?;
@@ -307,13 +311,13 @@ impl<'m> Lower<'m> {
         Ok(std::mem::replace(&mut self.nodes, outer))
     }
 
-    pub fn leave(&mut self, node: Node) {
+    pub(crate) fn leave(&mut self, node: Node) {
         self.flush();
         self.nodes.push(node);
     }
 
     /// Notes the place of an expression.
-    pub fn visit(&mut self, function: &Function, handle: Handle<Expression>) {
+    pub(crate) fn visit(&mut self, function: &Function, handle: Handle<Expression>) {
         if let Some(range) = function.expressions.get_span(handle).to_range() {
             self.here = Some(range.start);
             if let Some(place) = self.words.place_of_expression(range.start) {

@@ -7,7 +7,7 @@ use crate::error::ExactError;
 use naga::{Function, GlobalVariable, Handle};
 
 impl Lower<'_> {
-    pub fn inputs(&mut self, function: &Function) -> Result<Vec<Lowered>, ExactError> {
+    pub(crate) fn inputs(&mut self, function: &Function) -> Result<Vec<Lowered>, ExactError> {
         let mut arguments = Vec::new();
         for argument in &function.arguments {
             let ty = self.ty(argument.ty)?;
@@ -26,7 +26,7 @@ impl Lower<'_> {
         Ok(arguments)
     }
 
-    pub fn outputs(&mut self, function: &Function, result: Option<Value>) -> Result<(), ExactError> {
+    pub(crate) fn outputs(&mut self, function: &Function, result: Option<Value>) -> Result<(), ExactError> {
         let (Some(result), Some(value)) = (&function.result, result) else { return Ok(()) };
         let bindings: Vec<Option<naga::Binding>> = match &self.module.types[result.ty].inner {
             naga::TypeInner::Struct { members, .. } => members.iter().map(|member| member.binding.clone()).collect(),
@@ -48,7 +48,7 @@ impl Lower<'_> {
     }
 
     /// The variable, image or sampler of a global.
-    pub fn global(&mut self, handle: Handle<GlobalVariable>) -> Result<Lowered, ExactError> {
+    pub(crate) fn global(&mut self, handle: Handle<GlobalVariable>) -> Result<Lowered, ExactError> {
         if let Some(lowered) = self.globals.get(&handle) {
             return Ok(lowered.clone());
         }

@@ -22,7 +22,7 @@ fn unary(function: MathFunction) -> Option<Unary> {
 }
 
 impl Lower<'_> {
-    pub fn math(&mut self, function: MathFunction, values: &[Value]) -> Result<Value, ExactError> {
+    pub(crate) fn math(&mut self, function: MathFunction, values: &[Value]) -> Result<Value, ExactError> {
         use MathFunction as M;
         let a = &values[0];
         let kind = a.ty.kind().ok_or_else(|| self.uncovered("a function of an array or structure"))?;

@@ -1,8 +1,8 @@
 //! Lowering of a module of naga to instructions over registers.
 
 mod expr;
-pub mod faults;
-pub mod function;
+pub(crate) mod faults;
+pub(crate) mod function;
 mod io;
 mod math;
 mod ops;
@@ -10,4 +10,4 @@ mod statement;
 mod types;
 mod walk;
 mod watch;
-pub mod words;
+pub(crate) mod words;

@@ -40,7 +40,7 @@ impl Lower<'_> {
         Ok(Value::new(value.ty.with(ScalarType::Bool), regs))
     }
 
-    pub fn convert(&mut self, value: &Value, kind: ScalarKind, convert: bool) -> Result<Value, ExactError> {
+    pub(crate) fn convert(&mut self, value: &Value, kind: ScalarKind, convert: bool) -> Result<Value, ExactError> {
         let to = match kind {
             ScalarKind::Float => ScalarType::Float,
             ScalarKind::Sint => ScalarType::Sint,
@@ -86,7 +86,7 @@ impl Lower<'_> {
         Ok(Value::new(value.ty.with(to), regs.collect()))
     }
 
-    pub fn binary(&mut self, op: BinaryOperator, a: &Value, b: &Value) -> Result<Value, ExactError> {
+    pub(crate) fn binary(&mut self, op: BinaryOperator, a: &Value, b: &Value) -> Result<Value, ExactError> {
         let kind = a.ty.kind().ok_or_else(|| self.uncovered("an operator on an array or structure"))?;
         if op == BinaryOperator::Multiply
             && let Some(product) = self.product(a, b)
@@ -191,7 +191,7 @@ impl Lower<'_> {
     }
 
     /// Dot product.
-    pub fn dot(&mut self, a: &[Reg], b: &[Reg]) -> Reg {
+    pub(crate) fn dot(&mut self, a: &[Reg], b: &[Reg]) -> Reg {
         let mut sum = None;
         for (a, b) in a.iter().zip(b) {
             sum = Some(match sum {

@@ -9,7 +9,7 @@ use crate::error::ExactError;
 use naga::{Block, Function, Statement, SwitchValue};
 
 impl<'m> Lower<'m> {
-    pub fn statements(
+    pub(crate) fn statements(
         &mut self,
         frame: &mut CallFrame<'m>,
         statements: impl Iterator<Item = &'m Statement>,

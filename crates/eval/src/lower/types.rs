@@ -6,7 +6,7 @@ use std::rc::Rc;
 
 /// Kinds of scalars.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ScalarType {
+pub(crate) enum ScalarType {
     Float,
     Sint,
     Uint,
@@ -14,7 +14,7 @@ pub enum ScalarType {
 }
 
 impl ScalarType {
-    pub fn file(self) -> File {
+    pub(crate) fn file(self) -> File {
         match self {
             ScalarType::Float => File::Float,
             ScalarType::Sint | ScalarType::Uint => File::Int,
@@ -22,11 +22,11 @@ impl ScalarType {
         }
     }
 
-    pub fn signed(self) -> bool {
+    pub(crate) fn signed(self) -> bool {
         self == ScalarType::Sint
     }
 
-    pub fn of(scalar: naga::Scalar) -> Option<ScalarType> {
+    pub(crate) fn of(scalar: naga::Scalar) -> Option<ScalarType> {
         match (scalar.kind, scalar.width) {
             (ScalarKind::Float, 4) => Some(ScalarType::Float),
             (ScalarKind::Sint, 4) => Some(ScalarType::Sint),
@@ -50,7 +50,7 @@ pub(crate) enum Ty {
 
 impl Ty {
     /// Converts a type of naga, or names the uncovered construct.
-    pub fn of(module: &Module, ty: Handle<Type>) -> Result<Ty, String> {
+    pub(crate) fn of(module: &Module, ty: Handle<Type>) -> Result<Ty, String> {
         let scalar = |scalar| ScalarType::of(scalar).ok_or_else(|| format!("the scalar type {scalar:?}"));
         match &module.types[ty].inner {
             TypeInner::Scalar(kind) => Ok(Ty::Scalar(scalar(*kind)?)),
@@ -69,7 +69,7 @@ impl Ty {
     }
 
     /// Number of scalars.
-    pub fn size(&self) -> usize {
+    pub(crate) fn size(&self) -> usize {
         match self {
             Ty::Scalar(_) => 1,
             Ty::Vector(_, size) => *size,
@@ -80,7 +80,7 @@ impl Ty {
     }
 
     /// The kinds of all scalars.
-    pub fn kinds(&self) -> Vec<ScalarType> {
+    pub(crate) fn kinds(&self) -> Vec<ScalarType> {
         match self {
             Ty::Scalar(kind) => vec![*kind],
             Ty::Vector(kind, size) => vec![*kind; *size],
@@ -91,7 +91,7 @@ impl Ty {
     }
 
     /// Type and first scalar of an element.
-    pub fn element(&self, index: usize) -> Option<(Ty, usize)> {
+    pub(crate) fn element(&self, index: usize) -> Option<(Ty, usize)> {
         match self {
             Ty::Vector(kind, size) if index < *size => Some((Ty::Scalar(*kind), index)),
             Ty::Matrix(columns, rows) if index < *columns => Some((Ty::Vector(ScalarType::Float, *rows), index * rows)),
@@ -104,7 +104,7 @@ impl Ty {
     }
 
     /// Number of elements.
-    pub fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         match self {
             Ty::Scalar(_) => 0,
             Ty::Vector(_, size) => *size,
@@ -115,7 +115,7 @@ impl Ty {
     }
 
     /// The kind of a scalar, vector or matrix.
-    pub fn kind(&self) -> Option<ScalarType> {
+    pub(crate) fn kind(&self) -> Option<ScalarType> {
         match self {
             Ty::Scalar(kind) | Ty::Vector(kind, _) => Some(*kind),
             Ty::Matrix(..) => Some(ScalarType::Float),
@@ -124,7 +124,7 @@ impl Ty {
     }
 
     /// The shape with another kind of scalar.
-    pub fn with(&self, kind: ScalarType) -> Ty {
+    pub(crate) fn with(&self, kind: ScalarType) -> Ty {
         match self {
             Ty::Vector(_, size) => Ty::Vector(kind, *size),
             _ => Ty::Scalar(kind),
@@ -133,7 +133,7 @@ impl Ty {
 }
 
 /// Appends the kind and offset in bytes of each scalar of a uniform block.
-pub fn layout(module: &Module, ty: Handle<Type>, start: u32, out: &mut Vec<(ScalarType, u32)>) -> Result<(), String> {
+pub(crate) fn layout(module: &Module, ty: Handle<Type>, start: u32, out: &mut Vec<(ScalarType, u32)>) -> Result<(), String> {
     let kind = |scalar| ScalarType::of(scalar).ok_or_else(|| format!("the scalar type {scalar:?}"));
     match &module.types[ty].inner {
         TypeInner::Scalar(scalar) => out.push((kind(*scalar)?, start)),
@@ -163,17 +163,17 @@ pub fn layout(module: &Module, ty: Handle<Type>, start: u32, out: &mut Vec<(Scal
 }
 
 #[derive(Clone, Debug)]
-pub struct Value {
+pub(crate) struct Value {
     pub ty: Ty,
     pub regs: Rc<[Reg]>,
 }
 
 impl Value {
-    pub fn new(ty: Ty, regs: Vec<Reg>) -> Value {
+    pub(crate) fn new(ty: Ty, regs: Vec<Reg>) -> Value {
         Value { ty, regs: regs.into() }
     }
 
-    pub fn element(&self, index: usize) -> Option<Value> {
+    pub(crate) fn element(&self, index: usize) -> Option<Value> {
         let (ty, first) = self.ty.element(index)?;
         let regs = self.regs[first..first + ty.size()].into();
         Some(Value { ty, regs })
@@ -182,7 +182,7 @@ impl Value {
 
 /// Target of a pointer: one of `choices`, each with a register for every scalar of the type.
 #[derive(Clone, Debug)]
-pub struct Variable {
+pub(crate) struct Variable {
     pub ty: Ty,
     pub choices: Vec<Rc<[Reg]>>,
     /// Index of the choice; `None` if there is one.
@@ -190,7 +190,7 @@ pub struct Variable {
 }
 
 impl Variable {
-    pub fn element(&self, index: usize) -> Option<Variable> {
+    pub(crate) fn element(&self, index: usize) -> Option<Variable> {
         let (ty, first) = self.ty.element(index)?;
         let part = |regs: &Rc<[Reg]>| regs[first..first + ty.size()].into();
         Some(Variable { choices: self.choices.iter().map(part).collect(), index: self.index, ty })
@@ -209,7 +209,7 @@ pub(crate) enum Lowered {
 }
 
 /// The image or sampler of a binding.
-pub fn image(inner: &TypeInner, binding: u32) -> Result<Lowered, String> {
+pub(crate) fn image(inner: &TypeInner, binding: u32) -> Result<Lowered, String> {
     match inner {
         TypeInner::Sampler { comparison: false } => Ok(Lowered::Sampler(binding)),
         TypeInner::Image { dim, arrayed: false, class: naga::ImageClass::Sampled { kind, multi: false } } => {

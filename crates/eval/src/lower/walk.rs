@@ -3,7 +3,7 @@
 use naga::{Block, Expression, Function, Handle, Statement};
 
 /// Calls `on` with the root of every pointer that a function writes through or passes on.
-pub fn roots<'m>(block: &'m Block, function: &'m Function, on: &mut dyn FnMut(&'m Expression)) {
+pub(crate) fn roots<'m>(block: &'m Block, function: &'m Function, on: &mut dyn FnMut(&'m Expression)) {
     let mut root = |mut pointer: Handle<Expression>| loop {
         match &function.expressions[pointer] {
             Expression::Access { base, .. } | Expression::AccessIndex { base, .. } => pointer = *base,
@@ -23,7 +23,7 @@ pub fn roots<'m>(block: &'m Block, function: &'m Function, on: &mut dyn FnMut(&'
 }
 
 /// The blocks of a statement.
-pub fn blocks(statement: &Statement) -> Vec<&Block> {
+pub(crate) fn blocks(statement: &Statement) -> Vec<&Block> {
     match statement {
         Statement::Block(block) => vec![block],
         Statement::If { accept, reject, .. } => vec![accept, reject],
@@ -43,6 +43,6 @@ pub(crate) fn emitted(block: &Block, on: &mut dyn FnMut(Handle<Expression>)) {
     }
 }
 
-pub fn any(block: &Block, is: &dyn Fn(&Statement) -> bool) -> bool {
+pub(crate) fn any(block: &Block, is: &dyn Fn(&Statement) -> bool) -> bool {
     block.iter().any(|statement| is(statement) || blocks(statement).into_iter().any(|block| any(block, is)))
 }

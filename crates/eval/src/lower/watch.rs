@@ -13,7 +13,7 @@ const LARGEST: f64 = f32::MAX as f64;
 
 impl<'m> Lower<'m> {
     /// Starts to note faults.
-    pub fn begin(&mut self, watch: &'m Watch<'m>, words: &Words) {
+    pub(crate) fn begin(&mut self, watch: &'m Watch<'m>, words: &Words) {
         let named =
             |(name, file): (&String, &String)| Some((name.clone(), (watch.number)(file))).filter(|(_, n)| *n > 0);
         let functions = words.functions().filter_map(named).collect();
@@ -25,7 +25,7 @@ impl<'m> Lower<'m> {
     }
 
     /// The initial value of variables without one.
-    pub fn fill(&self) -> f64 {
+    pub(crate) fn fill(&self) -> f64 {
         self.watching.as_ref().map_or(0.0, |watching| watching.watch.fill)
     }
 

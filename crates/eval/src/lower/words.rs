@@ -8,7 +8,7 @@ use std::collections::HashMap;
 const HEADER: usize = 5;
 
 /// The words, and the lines that were taken out.
-pub struct Words {
+pub(crate) struct Words {
     pub words: Vec<u32>,
     files: HashMap<u32, String>,
     names: HashMap<u32, String>,
@@ -34,7 +34,7 @@ pub fn specialized(spirv: &[u32], constants: &[(u32, u32)]) -> Result<Vec<u32>, 
 }
 
 impl Words {
-    pub fn read(spirv: &[u32], constants: &[(u32, u32)]) -> Result<Words, ExactError> {
+    pub(crate) fn read(spirv: &[u32], constants: &[(u32, u32)]) -> Result<Words, ExactError> {
         if spirv.len() < HEADER || spirv[0] != spirv::MAGIC_NUMBER {
             return Err(ExactError::Spirv("it does not start with the magic number of SPIR-V".into()));
         }
@@ -107,7 +107,7 @@ impl Words {
     }
 
     /// Name and file of each function.
-    pub fn functions(&self) -> impl Iterator<Item = (&String, &String)> {
+    pub(crate) fn functions(&self) -> impl Iterator<Item = (&String, &String)> {
         self.functions.iter().filter_map(|(function, file)| Some((self.names.get(function)?, self.files.get(file)?)))
     }
 

@@ -12,7 +12,7 @@ use std::collections::{BinaryHeap, HashMap, HashSet};
 type Spans = HashMap<Reg, (usize, usize)>;
 
 /// Renumbers the registers, and notes the registers that each node writes.
-pub fn allocate(code: &mut Code, classes: &[Vec<Class>; 3]) {
+pub(crate) fn allocate(code: &mut Code, classes: &[Vec<Class>; 3]) {
     let found = Occurrences::of(code);
     let inputs: HashSet<Reg> = code.inputs.iter().map(|(_, _, reg)| *reg).collect();
     let all = found.reads.keys().chain(found.writes.keys()).chain(&inputs).filter(|reg| !reg.uniform);

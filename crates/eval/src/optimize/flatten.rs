@@ -13,7 +13,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 const MAX_INSTRUCTIONS: usize = 16;
 
 /// Converts the short branches of a program.
-pub fn flatten(code: &mut Code, classes: &mut [Vec<Class>; 3]) {
+pub(crate) fn flatten(code: &mut Code, classes: &mut [Vec<Class>; 3]) {
     let before = std::mem::take(&mut code.instrs);
     let comparisons = comparisons(&before);
     let mut flat = Flatten { before, instrs: Vec::new(), classes, comparisons };

@@ -1,6 +1,6 @@
 //! Optimization of lowered code, and allocation of its registers.
 
-pub mod allocate;
-pub mod bool_fold;
-pub mod flatten;
-pub mod tidy;
+pub(crate) mod allocate;
+pub(crate) mod bool_fold;
+pub(crate) mod flatten;
+pub(crate) mod tidy;

@@ -15,7 +15,7 @@ pub(crate) struct Occurrences {
 }
 
 impl Occurrences {
-    pub fn of(code: &Code) -> Occurrences {
+    pub(crate) fn of(code: &Code) -> Occurrences {
         let mut found = Occurrences::default();
         for (at, instr) in code.instrs.iter().enumerate() {
             code.reads(instr, |reg| found.reads.entry(reg).or_default().push(at));
@@ -76,7 +76,7 @@ impl Occurrences {
 }
 
 /// Runs all passes.
-pub fn tidy(code: &mut Code, classes: &[Vec<Class>; 3]) {
+pub(crate) fn tidy(code: &mut Code, classes: &[Vec<Class>; 3]) {
     drop_unread(code);
     propagate_copies(code, classes);
     let blocks = basic_blocks(&code.body);

@@ -87,7 +87,7 @@ impl<N: Number> Machine<'_, N> {
     }
 
     /// The lanes in which a condition may hold, and those in which it may fail.
-    pub fn split(&self, condition: Reg, mask: u64) -> (u64, u64) {
+    pub(crate) fn split(&self, condition: Reg, mask: u64) -> (u64, u64) {
         match self.banks.bools.rows.read(condition) {
             Operand::Uniform(value) => {
                 (if value.may_hold() { mask } else { 0 }, if value.may_fail() { mask } else { 0 })

@@ -59,7 +59,7 @@ pub(crate) struct Machine<'a, N: Number> {
 }
 
 impl<'a, N: Number> Machine<'a, N> {
-    pub fn new(code: &'a Code, images: &'a [Image<'a>], uniforms: (Vec<N>, Vec<N::Int>, Vec<N::Bool>)) -> Self {
+    pub(crate) fn new(code: &'a Code, images: &'a [Image<'a>], uniforms: (Vec<N>, Vec<N::Int>, Vec<N::Bool>)) -> Self {
         let counts = code.registers;
         let banks = Banks {
             floats: Bank::new(counts[0], uniforms.0, N::new(0.0)),
@@ -89,7 +89,7 @@ impl<'a, N: Number> Machine<'a, N> {
     }
 
     /// Runs the program. Returns the lanes that reach its end, and those that are or may be discarded.
-    pub fn run(&mut self, block: u64) -> Result<(u64, u64), ExactError> {
+    pub(crate) fn run(&mut self, block: u64) -> Result<(u64, u64), ExactError> {
         (self.block, self.killed, self.turns, self.all_turns) = (block, 0, [0; LANES], 0);
         let code = self.code;
         let ended = self.nodes(&code.body, block)?;

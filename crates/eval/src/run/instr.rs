@@ -21,7 +21,7 @@ macro_rules! known {
 impl<N: Number> Banks<N> {
     /// Runs an instruction for the lanes of a mask; `block` has all lanes that are in use.
     #[inline(always)] // into code for the vectors of this processor
-    pub fn run(&mut self, instr: &Instr, code: &Code, images: &[Image<'_>], mask: u64, block: u64) {
+    pub(crate) fn run(&mut self, instr: &Instr, code: &Code, images: &[Image<'_>], mask: u64, block: u64) {
         let [a, b, c] = instr.sources;
         let signed = instr.signed;
         let Banks {

@@ -6,15 +6,15 @@ use crate::number::{Bool, Domain, GROUP, Number, Packed};
 use std::ops::{Deref, DerefMut};
 
 /// Lanes of a block, one for each bit of a mask. A group is computed whole if one of its lanes is active.
-pub const LANES: usize = 64;
+pub(crate) const LANES: usize = 64;
 
 /// One value for each lane.
-pub type Row<T> = [<T as Packed>::Group; LANES / GROUP];
+pub(crate) type Row<T> = [<T as Packed>::Group; LANES / GROUP];
 
 /// A row aligned to cache lines, so that no vector crosses two.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
-pub struct Aligned<T: Packed>(pub Row<T>);
+pub(crate) struct Aligned<T: Packed>(pub Row<T>);
 
 impl<T: Packed> Deref for Aligned<T> {
     type Target = Row<T>;
@@ -34,13 +34,13 @@ impl<T: Packed> DerefMut for Aligned<T> {
 
 /// Reads a lane.
 #[inline(always)]
-pub fn get<T: Packed>(row: &Row<T>, lane: usize) -> T {
+pub(crate) fn get<T: Packed>(row: &Row<T>, lane: usize) -> T {
     T::get(&row[lane / GROUP], lane % GROUP)
 }
 
 /// Writes a lane.
 #[inline(always)]
-pub fn put<T: Packed>(row: &mut Row<T>, lane: usize, value: T) {
+pub(crate) fn put<T: Packed>(row: &mut Row<T>, lane: usize, value: T) {
     value.put(&mut row[lane / GROUP], lane % GROUP);
 }
 
@@ -52,7 +52,7 @@ pub(crate) enum Operand<'a, T: Packed> {
 }
 
 impl<T: Packed> Operand<'_, T> {
-    pub fn at(&self, lane: usize) -> T {
+    pub(crate) fn at(&self, lane: usize) -> T {
         match self {
             Operand::Lanes(row) => get(row, lane),
             Operand::Uniform(value) => *value,
@@ -68,7 +68,7 @@ impl<T: Packed> Operand<'_, T> {
     }
 
     /// A copy of all lanes.
-    pub fn row(&self) -> Row<T> {
+    pub(crate) fn row(&self) -> Row<T> {
         match self {
             Operand::Lanes(row) => **row,
             Operand::Uniform(value) => [value.splat(); LANES / GROUP],
@@ -78,7 +78,7 @@ impl<T: Packed> Operand<'_, T> {
 
 /// Calls `on` with each lane of a mask.
 #[inline(always)]
-pub fn each(mut mask: u64, mut on: impl FnMut(usize)) {
+pub(crate) fn each(mut mask: u64, mut on: impl FnMut(usize)) {
     while mask != 0 {
         on(mask.trailing_zeros() as usize);
         mask &= mask - 1;
@@ -191,7 +191,7 @@ pub(crate) fn select_rows<N: Number>(
 }
 
 /// Loop over the active lanes, for functions too slow to run in others.
-pub fn slow<A: Copy, D: Packed, O: Lane<A>>(out: &mut Row<D>, mask: u64, a: O, f: impl Fn(A) -> D) {
+pub(crate) fn slow<A: Copy, D: Packed, O: Lane<A>>(out: &mut Row<D>, mask: u64, a: O, f: impl Fn(A) -> D) {
     each(mask, |lane| put(out, lane, f(a.lane(lane))));
 }
 
@@ -213,7 +213,7 @@ impl<'a, 'b, A: Packed, B: Packed> Lane<(A, B)> for (Operand<'a, A>, Operand<'b,
 }
 
 /// The registers of one file: those with a value for each lane, and uniform ones.
-pub struct Rows<T: Packed> {
+pub(crate) struct Rows<T: Packed> {
     pub rows: Vec<Box<Aligned<T>>>,
     uniforms: Vec<T>,
 }
@@ -226,7 +226,7 @@ pub(crate) struct Bank<T: Packed> {
 
 impl<T: Packed> Rows<T> {
     #[inline(always)]
-    pub fn read(&self, reg: Reg) -> Operand<'_, T> {
+    pub(crate) fn read(&self, reg: Reg) -> Operand<'_, T> {
         // The prelude computes uniform registers in rows.
         if reg.uniform && !self.uniforms.is_empty() {
             Operand::Uniform(self.uniforms[reg.index as usize])
@@ -237,12 +237,12 @@ impl<T: Packed> Rows<T> {
 }
 
 impl<T: Packed> Bank<T> {
-    pub fn new(registers: u32, uniforms: Vec<T>, zero: T) -> Bank<T> {
+    pub(crate) fn new(registers: u32, uniforms: Vec<T>, zero: T) -> Bank<T> {
         let row = || Box::new(Aligned([zero.splat(); LANES / GROUP]));
         Bank { rows: Rows { rows: (0..registers).map(|_| row()).collect(), uniforms }, spare: row() }
     }
 
-    pub fn row(&mut self, reg: Reg) -> &mut Row<T> {
+    pub(crate) fn row(&mut self, reg: Reg) -> &mut Row<T> {
         &mut self.rows.rows[reg.index as usize]
     }
 
@@ -273,7 +273,7 @@ pub(crate) struct Banks<N: Number> {
 
 impl<N: Number> Banks<N> {
     /// Sets registers to any value.
-    pub fn forget(&mut self, written: &[Reg], lanes: u64) {
+    pub(crate) fn forget(&mut self, written: &[Reg], lanes: u64) {
         for reg in written {
             each(lanes, |lane| match reg.file {
                 File::Float => put(self.floats.row(*reg), lane, N::any()),

@@ -1,8 +1,8 @@
 //! The machine: runs lowered code for blocks of lanes.
 
 mod basic_block;
-pub mod control_flow;
+pub(crate) mod control_flow;
 mod instr;
-pub mod lanes;
-pub mod single;
+pub(crate) mod lanes;
+pub(crate) mod single;
 mod snapshot;

@@ -36,18 +36,18 @@ struct Note {
 }
 
 impl Singles {
-    pub fn new(watched: Vec<bool>) -> Singles {
+    pub(crate) fn new(watched: Vec<bool>) -> Singles {
         Singles { watched, found: [None; LANES] }
     }
 
     /// The notes that each lane starts with: those of uniform expressions, which are computed on any path.
-    pub fn start(&self) -> Singles {
+    pub(crate) fn start(&self) -> Singles {
         let first = self.found[0].map(|first| Note { is_lost: false, ..first });
         Singles { found: [first; LANES], ..self.clone() }
     }
 
     /// The overflows of the first `lanes` lanes.
-    pub fn overflows(&self, lanes: usize, places: &[String]) -> impl Iterator<Item = Option<Overflow>> {
+    pub(crate) fn overflows(&self, lanes: usize, places: &[String]) -> impl Iterator<Item = Option<Overflow>> {
         let overflow = |note: Note| Overflow {
             place: places[note.at.0 as usize].clone(),
             operation: text(note.op, note.operands),
@@ -57,7 +57,7 @@ impl Singles {
     }
 
     /// Rounds a result to f32; `None` if that changes nothing.
-    pub fn rounded(&mut self, instr: &Instr, operands: [f64; 3], result: f64, lane: usize) -> Option<f64> {
+    pub(crate) fn rounded(&mut self, instr: &Instr, operands: [f64; 3], result: f64, lane: usize) -> Option<f64> {
         let single = |x: f64| f64::from(x as f32);
         let [a, b, c] = operands;
         let rounded = if instr.op == Op::MulAdd { single(single(a * b) + c) } else { single(result) };

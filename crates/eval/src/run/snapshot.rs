@@ -69,12 +69,12 @@ fn covered<T: Domain>(rows: &[Row<T>], bank: &Bank<T>, registers: impl Iterator<
 }
 
 impl<N: Number> Snapshot<N> {
-    pub fn new() -> Snapshot<N> {
+    pub(crate) fn new() -> Snapshot<N> {
         Snapshot { lanes: 0, floats: Vec::new(), ints: Vec::new(), bools: Vec::new() }
     }
 
     /// Adds lanes, joining those that are there already.
-    pub fn add(&mut self, banks: &Banks<N>, written: &[Reg], lanes: u64) {
+    pub(crate) fn add(&mut self, banks: &Banks<N>, written: &[Reg], lanes: u64) {
         let which = (lanes, self.lanes);
         add(&mut self.floats, &banks.floats, of_file(written, File::Float), which);
         add(&mut self.ints, &banks.ints, of_file(written, File::Int), which);
@@ -83,7 +83,7 @@ impl<N: Number> Snapshot<N> {
     }
 
     /// Restores lanes of the registers, joining those of `present`.
-    pub fn restore(&self, banks: &mut Banks<N>, written: &[Reg], lanes: u64, present: u64) {
+    pub(crate) fn restore(&self, banks: &mut Banks<N>, written: &[Reg], lanes: u64, present: u64) {
         let which = (self.lanes & lanes, present);
         restore(&self.floats, &mut banks.floats, of_file(written, File::Float), which);
         restore(&self.ints, &mut banks.ints, of_file(written, File::Int), which);
@@ -91,7 +91,7 @@ impl<N: Number> Snapshot<N> {
     }
 
     /// The lanes whose registers are all within the snapshot.
-    pub fn covers(&self, banks: &Banks<N>, written: &[Reg], lanes: u64) -> u64 {
+    pub(crate) fn covers(&self, banks: &Banks<N>, written: &[Reg], lanes: u64) -> u64 {
         let lanes = covered(&self.floats, &banks.floats, of_file(written, File::Float), lanes & self.lanes);
         let lanes = covered(&self.ints, &banks.ints, of_file(written, File::Int), lanes);
         covered(&self.bools, &banks.bools, of_file(written, File::Bool), lanes)
