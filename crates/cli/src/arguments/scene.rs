@@ -4,13 +4,12 @@ use super::flags::Flags;
 use super::modules::{module, show, show_plane};
 use clap::{Args, ValueEnum};
 use hypertexture::output::{self, OutputError};
-use hypertexture::scene::{self, Color, ParameterValue, Pass, Reach, Scene, SceneError};
+use hypertexture::scene::{self, Color, FieldId, ParameterValue, Pass, Reach, Scene, SceneError};
 use hypertexture::shader::declare::hex_color;
 use hypertexture::shape::BUILT_IN;
 use hypertexture_measure::metric::Metric;
 use hypertexture_support::words::nearest;
 use std::error::Error;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Arguments of the object.
@@ -77,6 +76,8 @@ pub(crate) struct SceneInput {
     pub(crate) sets_rays_of_a_pixel: bool,
 }
 
+/// Settings of the number of rays of a pixel.
+const RAYS_OF_A_PIXEL: [&str; 2] = ["quality.supersampling", "quality.msaa"];
 /// Default supersampling of final pictures.
 const SMOOTH: u32 = 4;
 
@@ -133,7 +134,7 @@ impl SceneArguments {
     /// Scene of an input with the arguments applied: a scene file, the scene of a picture, an example scene, or the preset
     /// of the effect.
     pub fn scene_and_base(&self, input: &str, object: &ObjectFlags) -> Result<SceneInput, Box<dyn Error>> {
-        let mut scene = self.start(input)?;
+        let (mut scene, in_file) = self.start(input)?;
         let is_file = Path::new(input).extension().is_some_and(|end| end.eq_ignore_ascii_case("toml"));
         let mut base = match (is_file, &self.effect) {
             (true, Some(effect)) => scene::preset(effect)?,
@@ -143,26 +144,14 @@ impl SceneArguments {
         self.apply_look(&mut base);
         object.apply(&mut scene)?;
         self.apply(&mut scene)?;
-        Ok(SceneInput { scene, base, sets_rays_of_a_pixel: self.says_rays_of_a_pixel(input) })
+        let set = |text: &String, name: &str| text.split_once('=').is_some_and(|(own, _)| own.trim() == name);
+        let is_set = |name: &str| self.settings.has(name) || self.parameters.iter().any(|text| set(text, name));
+        let sets_rays_of_a_pixel = in_file || RAYS_OF_A_PIXEL.into_iter().any(is_set);
+        Ok(SceneInput { scene, base, sets_rays_of_a_pixel })
     }
 
-    /// Whether a flag, `--set`, a scene file or the scene of a picture sets the number of rays of a pixel.
-    fn says_rays_of_a_pixel(&self, input: &str) -> bool {
-        let path = Path::new(input);
-        let ends = |end: &str| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(end));
-        let text = if ends("toml") { fs::read_to_string(path).unwrap_or_default() } else { String::new() };
-        let file: toml::Table = text.trim_start_matches('\u{feff}').parse().unwrap_or_default();
-        ends("png")
-            || ends("exr")
-            || ["supersampling", "msaa"].into_iter().any(|field| {
-                let name = format!("quality.{field}");
-                let set = |text: &String| text.split_once('=').is_some_and(|(own, _)| own.trim() == name);
-                let in_file = file.get("quality").and_then(|quality| quality.get(field)).is_some();
-                in_file || self.settings.has(&name) || self.parameters.iter().any(set)
-            })
-    }
-
-    fn start(&self, input: &str) -> Result<Scene, Box<dyn Error>> {
+    /// The scene of an input, and whether the input sets the number of rays of a pixel.
+    fn start(&self, input: &str) -> Result<(Scene, bool), Box<dyn Error>> {
         let path = Path::new(input);
         let ends = |ends: &[&str]| path.extension().is_some_and(|end| ends.iter().any(|e| end.eq_ignore_ascii_case(e)));
         let (is_file, is_picture) = (ends(&["toml"]), ends(&["png", "exr"]));
@@ -172,19 +161,23 @@ impl SceneArguments {
             log::warn!("`{input}` is the example scene; `./{input}` is the file");
         }
         let reach = reach(self.outside);
-        let load = || -> Result<Scene, Box<dyn Error>> {
+        let load = || -> Result<(Scene, bool), Box<dyn Error>> {
             Ok(match (is_picture, is_example) {
-                (true, _) => scene_of_picture(path, reach)?,
-                (_, true) => scene::preset(input)?,
-                _ => scene::load(path, reach)?,
+                (true, _) => (scene_of_picture(path, reach)?, true),
+                (_, true) => (scene::preset(input)?, false),
+                _ => {
+                    let (scene, given) = scene::load_given(path, reach)?;
+                    let is_given = |name: &str| FieldId::named(name).is_some_and(|field| given.contains(&field));
+                    (scene, RAYS_OF_A_PIXEL.into_iter().any(is_given))
+                }
             })
         };
         Ok(match (is_file || is_picture || is_example, &self.effect) {
             (true, None) => load()?,
             (true, Some(effect)) => {
-                let file = load()?;
+                let (file, sets_rays) = load()?;
                 let preset = scene::preset(effect)?;
-                Scene {
+                let scene = Scene {
                     object: file.object,
                     camera: file.camera,
                     image: file.image,
@@ -192,7 +185,8 @@ impl SceneArguments {
                     quality: file.quality,
                     groom: file.groom,
                     ..preset
-                }
+                };
+                (scene, sets_rays)
             }
             (false, effect) => {
                 if let Some(near) = near_example(input) {
@@ -200,7 +194,7 @@ impl SceneArguments {
                 }
                 let mut scene = scene::preset(effect.as_deref().unwrap_or("lit"))?;
                 scene.replace_object(input);
-                scene
+                (scene, false)
             }
         })
     }

@@ -133,7 +133,12 @@ impl Ty {
 }
 
 /// Appends the kind and offset in bytes of each scalar of a uniform block.
-pub(crate) fn layout(module: &Module, ty: Handle<Type>, start: u32, out: &mut Vec<(ScalarType, u32)>) -> Result<(), String> {
+pub(crate) fn layout(
+    module: &Module,
+    ty: Handle<Type>,
+    start: u32,
+    out: &mut Vec<(ScalarType, u32)>,
+) -> Result<(), String> {
     let kind = |scalar| ScalarType::of(scalar).ok_or_else(|| format!("the scalar type {scalar:?}"));
     match &module.types[ty].inner {
         TypeInner::Scalar(scalar) => out.push((kind(*scalar)?, start)),

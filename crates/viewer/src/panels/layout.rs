@@ -209,7 +209,8 @@ impl Panels {
         let before = model.present();
         let (draft, shown, commands) = (Scene::clone(&before), BTreeMap::new(), Vec::new());
         let (advanced, keys) = (self.advanced, self.keyframes.shown);
-        let mut pass = Pass { draft, before, shown, refused: None, touch: None, commands, model, status, advanced, keys };
+        let mut pass =
+            Pass { draft, before, shown, refused: None, touch: None, commands, model, status, advanced, keys };
         ui.add_space(4.0);
         field_menu::take_pasted(ui, &mut pass);
         self.dialogs.offer(ui, &mut pass.commands);
