@@ -23,7 +23,7 @@ fn area(columns: [u32; 2], rows: [u32; 2]) -> Area {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn areas_of_a_picture_are_those_of_the_whole_bit_for_bit_in_any_order() {
+fn areas_equal_the_whole_picture_bit_for_bit_in_any_order() {
     let library = shader::shipped();
     with_gpu(|gpu| {
         for (effect, pass) in [("fur", Pass::March), ("fire", Pass::Slices)] {
@@ -64,7 +64,7 @@ fn the_pictures_of_a_mean_are_those_of_its_numbers() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn b1_another_size_other_samples_and_other_shadows_compile_nothing_and_are_right() {
+fn b1_changes_of_size_samples_and_shadows_compile_nothing() {
     let library = shader::shipped();
     with_gpu(|gpu| {
         for (effect, pass) in [("fur", Pass::March), ("melting", Pass::Slices)] {
@@ -128,7 +128,7 @@ fn what_a_renderer_keeps_is_there_when_its_scene_comes_back() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn b1_a_picture_ends_before_the_next_submission_and_the_one_after_it_is_whole() {
+fn b1_a_cancelled_picture_leaves_the_next_one_whole() {
     let library = shader::shipped();
     with_gpu(|gpu| {
         for (effect, pass, shadows) in

@@ -238,7 +238,7 @@ fn m61_skipping_changes_no_bit_of_any_picture() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn m61_cells_over_an_interval_of_time_change_no_bit_of_what_moves() {
+fn m61_cells_over_time_change_no_bit_of_moving_pictures() {
     let library = shader::shipped();
     with_gpu(|gpu| {
         for name in ["fire", "smoke"] {
@@ -277,7 +277,7 @@ void slow(inout vec3 x, inout mat3 jacobian) {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn a_picture_whose_loops_a_device_cuts_is_drawn_by_rays_that_do_not_wait() {
+fn pictures_of_cut_loops_use_rays_without_waits() {
     with_gpu(|gpu| {
         let library = shader::shipped().with_module("warp", "slow", SLOW);
         let mut scene = homogeneous("sphere", 0.1, Projection::Parallel);
@@ -306,7 +306,7 @@ fn a_picture_whose_loops_a_device_cuts_is_drawn_by_rays_that_do_not_wait() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn an_opacity_of_a_module_is_not_taken_for_that_of_a_ray_that_was_cut() {
+fn a_negative_module_opacity_is_not_a_cut_ray() {
     with_gpu(|gpu| {
         let negative = "float opacity(float density, float depth) { return -1e5; }\n";
         let library = shader::shipped().with_module("opacity", "negative", negative);
@@ -324,7 +324,7 @@ fn an_opacity_of_a_module_is_not_taken_for_that_of_a_ray_that_was_cut() {
 }
 
 #[test]
-fn a_ray_does_not_skip_where_matter_fills_the_space_around_the_object() {
+fn rays_do_not_skip_matter_around_the_object() {
     let empty_space = |scene: &Scene| scene.slots(&shader::shipped())["empty_space"][0].clone();
     let mut scene = preset("shells").expect("a shipped preset");
     assert_eq!(empty_space(&scene), "skip");

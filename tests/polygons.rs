@@ -140,7 +140,7 @@ fn what_has_no_surface_is_one_line() {
 }
 
 #[test]
-fn vertices_have_the_normals_of_the_mesh_and_the_colors_of_the_matter() {
+fn vertices_have_mesh_normals_and_matter_colors() {
     let library = shader::shipped();
     let looks = |scene: &Scene| {
         let subject = Subject::load(scene, &library, &|_| ()).unwrap();

@@ -138,7 +138,7 @@ fn polygons_shade_less_than_half_the_fragments_of_quads() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn m61_slices_in_the_tiles_of_cells_that_may_hold_matter_are_the_same_picture() {
+fn m61_slices_in_tiles_of_cells_give_the_same_picture() {
     type Way = (&'static str, fn(&mut Scene));
     let changes: [Way; 8] = [
         ("as it is", |_| ()),
@@ -250,7 +250,7 @@ fn m01_turning_the_camera_equals_turning_the_object() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn m30_a_hard_object_has_no_holes_where_it_is_as_thick_as_a_slice() {
+fn m30_hard_objects_of_a_slice_thickness_have_no_holes() {
     with_gpu(|gpu| {
         let mut scene = homogeneous("sphere", 1.0, Projection::Parallel);
         scene.effect.classify = "surface".into();
@@ -334,7 +334,7 @@ fn m57_four_samples_change_the_pixels_of_an_edge_and_no_other() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn m57_samples_that_the_device_lacks_are_refused_with_those_it_has() {
+fn m57_unsupported_sample_counts_name_the_supported_ones() {
     with_gpu(|gpu| {
         let mut scene = homogeneous("sphere", 1.0, Projection::Perspective);
         let counts = gpu.sample_counts(Format::Rgba32Float);

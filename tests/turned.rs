@@ -5,7 +5,7 @@ use hypertexture::field::{DistanceField, Grid};
 use hypertexture::scene::Axis;
 
 #[test]
-fn a_turned_field_is_the_same_field_rotated_so_that_the_axis_points_up() {
+fn turned_fields_are_rotated_with_the_axis_up() {
     let grid = Grid { size: [3, 4, 5], origin: Vec3::new(-1.0, 0.5, 2.0), spacing: Vec3::new(0.5, 1.0, 0.25) };
     let values = (0..60).map(|index| (index * index % 37) as f32).collect();
     let field = DistanceField { grid, values };

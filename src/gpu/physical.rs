@@ -271,7 +271,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn small_groups_or_images_that_store_nothing_leave_rays_to_fragment_shaders() {
+    fn weak_compute_limits_leave_rays_to_fragment_shaders() {
         let limits = |invocations, size| vk::PhysicalDeviceLimits {
             max_compute_work_group_invocations: invocations,
             max_compute_work_group_size: size,

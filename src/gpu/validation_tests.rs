@@ -124,7 +124,7 @@ fn a_correct_frame_is_not_reported() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn a_copy_into_an_image_that_the_read_does_not_wait_for_is_reported() {
+fn a_read_without_a_barrier_after_a_copy_is_reported() {
     use vk::{AccessFlags2 as Access, ImageLayout as Layout, PipelineStageFlags2 as Stage};
     let ids = reported(|gpu| {
         let (texels, image) = (upload_buffer(gpu), Arc::new(plane(gpu, ImageUse::Sampled)));
@@ -239,7 +239,7 @@ fn a_draw_without_its_vertices_is_reported() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn an_object_that_outlives_its_device_is_reported_after_the_device_is_gone() {
+fn objects_that_outlive_their_device_are_reported() {
     let ids = reported(|gpu| {
         // SAFETY: the device is alive. The bug: nothing destroys the fence.
         unsafe { gpu.0.device.create_fence(&vk::FenceCreateInfo::default(), None) }.unwrap();

@@ -241,7 +241,7 @@ mod tests {
     use std::fs;
 
     #[test]
-    fn the_number_takes_the_place_of_the_last_hashes_or_goes_before_the_extension() {
+    fn numbers_replace_the_last_hashes_or_precede_the_extension() {
         let name = |pattern: &str, frame| frame_path(Path::new(pattern), frame).display().to_string();
         assert_eq!(name("frames/fire_####.png", 7), "frames/fire_0007.png");
         assert_eq!(name("a#b_##.exr", 123), "a#b_123.exr");

@@ -329,7 +329,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_with_further_objects_is_said_with_field_and_limit() {
+    fn errors_of_further_objects_name_field_and_limit() {
         for (text, expected) in [
             ("combine = 'main | b'", "combine = main | b: the scene has no [parts.NAME]"),
             ("combine = 'main'\n[parts.b]", "must use every object, and `b` is missing"),

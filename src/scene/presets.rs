@@ -58,7 +58,7 @@ mod tests {
     }
 
     #[test]
-    fn skin_under_fur_is_no_lighter_than_the_roots_and_has_no_highlight() {
+    fn skin_under_fur_is_dark_and_has_no_highlight() {
         let mut furry = 0;
         for name in names() {
             let scene = preset(name).unwrap();

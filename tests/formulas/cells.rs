@@ -12,7 +12,7 @@ crate::rows! {
         "cells/grid.glsl": "sign(rate)" => "-sign(rate)",
         "cells/grid.glsl": "at - cell - 0.5 + reach" => "at - cell - 0.5 - reach",
         "cells/grid.glsl": "floor(at)" => "round(at)";
-    g09_a_sample_looks_back_where_its_step_is_not_all_in_empty_cells = lands,
+    g09_samples_look_back_over_partly_empty_steps = lands,
         "cells/grid.glsl": "k + leaves + SLIVER" => "k + 2.0 * leaves",
         "cells/grid.glsl": "empty_until = k + leaves" => "empty_until = leaves - k";
     p38_no_cell_is_empty_without_a_grid = |l| Check::new(l, &[], CELLS).holds(1e-12, |_| vec![0.0]),

@@ -42,7 +42,7 @@ crate::rows! {
         "dmf/fire.glsl": "mix(0.22, 1.0, up)" => "mix(1.0, 0.22, up)",
         "dmf/fire.glsl": "s.x + reach * C" => "s.x - reach * C",
         "dmf/fire.glsl": "s.wide_normal.y" => "s.normal.y";
-    m49_flames_have_no_crease_where_the_nearest_surface_changes_sides = creases,
+    m49_flames_have_no_crease_across_the_medial_axis = creases,
         "dmf/fire.glsl": "s.wide_normal.y" => "s.normal.y";
     m49_a_mask_is_a_ball = |l| mask(l, "ball", |at| {
         let away = at.place(0).distance(DVec3::new(at.number("ball_x"), at.number("ball_y"), at.number("ball_z")));

@@ -394,7 +394,7 @@ const PLANTED: &str = "// @param dose = 0.5 in [0, 1]: -\n\
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn a_function_that_gives_no_number_at_an_end_of_its_range_is_found() {
+fn nan_at_an_end_of_a_range_is_found() {
     with_gpu(|gpu| {
         let library = shader::shipped().with_module("dmf", "planted", PLANTED);
         let found = found(gpu, &library, 0, |name| name == "dmf/planted");

@@ -387,7 +387,7 @@ fn arrays_and_structures_are_indexed_by_lanes() {
 }
 
 #[test]
-fn a_linear_field_is_reproduced_and_images_wrap_as_they_are_told() {
+fn a_linear_field_is_exact_and_images_wrap_by_their_mode() {
     let before = "layout(set = 0, binding = 1) uniform texture3D image;\nlayout(set = 0, binding = 2) uniform sampler s;\n\
                   layout(set = 0, binding = 3) uniform B { mat4 m; float k; };";
     let body = "result = texture(sampler3D(image, s), x.xyz) * k + vec4(0.0, 0.0, 0.0, m[3][0]) \

@@ -282,7 +282,7 @@ fn segments_hold(
 }
 
 #[test]
-fn intervals_hold_what_their_points_give_on_every_module_and_preset() {
+fn intervals_contain_points_in_every_module_and_preset() {
     let library = shader::shipped();
     // HYPERTEXTURE_POINTS=100000000 asks for as many.
     let asked: usize =

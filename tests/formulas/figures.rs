@@ -85,7 +85,7 @@ fn relief(name: &str) -> [f64; 2] {
 }
 
 #[test]
-fn p25_high_frequency_is_twice_as_fine_and_half_as_high_and_high_amplitude_is_higher() {
+fn p25_spheres_differ_in_frequency_and_amplitude() {
     let [noisy, fine, rough] = ["noisy_sphere", "high_frequency_sphere", "high_amplitude_sphere"].map(relief);
     println!("relief and waves around: noisy {noisy:.4?}, high frequency {fine:.4?}, high amplitude {rough:.4?}");
     assert!((noisy[0] / fine[0] - 2.0).abs() < 0.2, "heights of {} and {}", noisy[0], fine[0]);
@@ -94,7 +94,7 @@ fn p25_high_frequency_is_twice_as_fine_and_half_as_high_and_high_amplitude_is_hi
 }
 
 #[test]
-fn p29_the_eroded_cube_is_the_product_of_a_fractal_sphere_and_a_cube_colored_by_turbulence() {
+fn p29_the_eroded_cube_is_a_fractal_sphere_times_a_cube() {
     let scene = shown("eroded_cube");
     let part = &scene.parts["cube"];
     // With one unit of path at the rate, the opacity is the density. Full ambient light shows the color alone.
@@ -143,7 +143,7 @@ fn p29_the_eroded_cube_is_the_product_of_a_fractal_sphere_and_a_cube_colored_by_
 }
 
 #[test]
-fn p30_the_fire_ball_is_a_sphere_of_turbulence_red_where_it_is_thin_and_yellow_where_it_is_dense() {
+fn p30_the_fire_ball_is_red_if_thin_and_yellow_if_dense() {
     let scene = shown("fire_ball");
     let text = "#include <clip>\n#include <classify>
         void check() { out0 = classify(p0.xyz, 0.01); out1.x = sample_object(p0.xyz).density; }";
@@ -208,7 +208,7 @@ fn reach(length: f64) -> [f64; 2] {
 }
 
 #[test]
-fn p33_the_hair_of_the_donut_is_as_long_as_its_soft_region_is_wide() {
+fn p33_hair_of_the_donut_fills_its_soft_region() {
     let length = number(&preset("furry_donut").unwrap(), "hair_length");
     for length in [0.5 * length, length, 2.0 * length] {
         let [reach, thinned] = reach(length);

@@ -53,7 +53,7 @@ fn warped(stack: &[&str], random: &mut SplitMix) -> Scene {
 }
 
 #[test]
-fn p24_no_warp_moves_a_lookup_or_lets_matter_grow_further_than_it_declares() {
+fn p24_warps_move_lookups_and_matter_within_their_bounds() {
     let library = shader::shipped();
     let text = format!(
         "{HEAD}#include <warp>\nvoid main() {{\n    vec3 x = point().xyz;\n    mat3 jacobian = mat3(1.0);\n    \
@@ -155,7 +155,7 @@ fn brightest(t: DVec3, l: DVec3, v: DVec3) -> f64 {
 }
 
 #[test]
-fn p56_the_highlight_of_hair_is_the_cone_that_a_cylinder_mirrors() {
+fn p56_the_highlight_of_hair_is_the_mirror_cone_of_a_cylinder() {
     let text = format!(
         "{HEAD}layout(location = 1) in vec4 tangent;\nvec3 position_eye;\nvec4 color = vec4(0.0);\n#include <projection>\n\
          #include \"sample_point.glsl\"\n#include <medium>\nvoid main() {{\n    \

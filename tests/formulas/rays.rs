@@ -47,7 +47,7 @@ crate::rows! {
     p37_a_ray_enters_and_leaves_the_box_and_the_ball = crossings,
         "box_intersection.glsl": "box_min.xyz - sample_reach" => "box_min.xyz + sample_reach",
         "box_intersection.glsl": "nearest + half_chord" => "nearest - half_chord";
-    m29_a_sample_of_a_slice_is_where_the_ray_of_its_pixel_crosses_it = placed,
+    m29_slice_samples_lie_on_the_rays_of_their_pixels = placed,
         "on_ray.glsl": "- before) / along" => "+ before) / along",
         "on_ray.glsl": "+ picture_scale.zw" => "- picture_scale.zw";
     m29_a_sample_of_a_stack_is_where_its_vertices_say = stacked,

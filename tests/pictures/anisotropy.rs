@@ -63,7 +63,7 @@ fn m57_tables_have_no_anisotropy() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn m57_a_located_surface_keeps_what_a_filter_looks_at_within_a_step() {
+fn m57_located_surfaces_keep_filter_footprints_in_a_step() {
     // Where a lane that is off held a coordinate far away, lavapipe of Mesa 22.3 filtered the whole volume for each sample:
     // more than the minute that a picture may take, in place of a hundredth of a second.
     with_gpu(|gpu| {

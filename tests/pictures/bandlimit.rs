@@ -193,7 +193,7 @@ fn face(strategy: &str, width: f32, slope: bool) -> (Scene, Library) {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn p39_the_levels_of_a_block_fade_its_octaves_as_computed_ones_fade() {
+fn p39_block_levels_fade_octaves_like_computed_noise() {
     with_gpu(|gpu| {
         for strategy in ["encoded", "hybrid"] {
             for slope in [false, true].into_iter().take(if strategy == "hybrid" { 1 } else { 2 }) {

@@ -26,7 +26,7 @@ fn high_frequency(classify: &str, samples: u32) -> Scene {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn m04_m05_preintegration_beats_post_classification_beats_pre_classification() {
+fn m04_m05_preintegration_beats_post_beats_pre() {
     with_gpu(|gpu| {
         let library = shader::shipped();
         let subject = subject(&high_frequency("post", 1), &library);

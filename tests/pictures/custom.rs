@@ -45,7 +45,7 @@ fn turns(count: &str) -> String {
 }
 
 #[test]
-fn modules_that_give_numbers_are_good_and_those_that_ship_are_not_tried() {
+fn finite_modules_pass_and_shipped_ones_are_not_tried() {
     let (mut good, library) = scene(&[("good", "    return density * (0.5 + 0.5 * cos(rate * density));")]);
     for (pass, shadows) in [(Pass::Slices, false), (Pass::March, true)] {
         (good.quality.pass, good.light.shadows) = (pass, shadows);
@@ -79,7 +79,7 @@ fn what_a_module_gives_that_is_no_number_is_named() {
 }
 
 #[test]
-fn what_f32_alone_does_not_hold_is_named_with_its_line_and_its_value() {
+fn overflows_of_f32_alone_name_line_and_value() {
     // Right in f64, and nothing in f32: a quotient of infinities, a clamp that takes NaN for 0, a product that comes back.
     let bodies = [
         ("float e = exp(20.0 * rate);\nreturn density * clamp(e / (1.0 + e), 0.0, 1.0);", "exp(120)"),
@@ -202,7 +202,7 @@ fn a_picture_that_is_not_finite_names_the_module() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn g09_rays_leave_out_empty_cells_of_custom_modules_and_say_why_where_they_cannot() {
+fn g09_rays_skip_empty_cells_of_custom_modules_or_say_why() {
     let bodies = [
         ("return density * max(1.0 - rate * abs(s.x.y), 0.0);", true),
         (

@@ -35,7 +35,7 @@ fn parameter(scene: &mut Scene, name: &str, value: f32) {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn m41_the_planes_of_noise_and_of_its_gradient_are_those_of_the_lattice() {
+fn m41_noise_planes_show_the_lattice_noise_and_gradient() {
     const Z: f32 = 0.37;
     const CELLS: f32 = 6.0;
     // The lattice in f64, its gradient by differences of it; the block of 64 texels repeats after 16 cells.
@@ -85,7 +85,7 @@ fn m41_the_planes_of_noise_and_of_its_gradient_are_those_of_the_lattice() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn m46_a_larger_k_is_a_milder_bump_and_opposite_normals_leave_that_of_the_volume() {
+fn m46_a_larger_k_softens_bumps_and_opposites_keep_the_normal() {
     // V and B are turned against each other by x from 0 to 180 degrees; k grows with y from 0 to 4.
     let text = "#include \"bump_normal.glsl\"\n\
                 const vec3 V = vec3(1.0, 2.0, 2.0) / 3.0, U = vec3(2.0, 1.0, -2.0) / 3.0;\n\

@@ -52,7 +52,7 @@ fn soft(scene: &mut Scene, dmfs: &[&str]) {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn m50_each_layer_has_the_density_of_its_own_width_and_what_follows_it_is_of_that_layer() {
+fn m50_layers_have_own_widths_and_following_dmfs() {
     let text = format!(
         "#include <dmf>\nvec3 surface(Sample s) {{\n    Sample at = sample_object({PLACE}), a = at, b = at;\n    \
          float d = at.density > 0.0 ? modulate(at.density, at) : 0.0;\n    \
@@ -77,7 +77,7 @@ fn m50_each_layer_has_the_density_of_its_own_width_and_what_follows_it_is_of_tha
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn m50_fur_under_flames_is_the_fur_alone_and_the_flames_are_the_flames_alone() {
+fn m50_fur_and_flames_in_layers_equal_each_alone() {
     let at = format!("#include <dmf>\nvec3 surface(Sample s) {{\n    Sample at = sample_object({PLACE});\n");
     let alone = format!("{at}    return vec3(at.density > 0.0 ? clamp(modulate(at.density, at), 0.0, 1.0) : 0.0);\n}}");
     let parameters = [("hair_length", 0.2), ("fineness", 12.0), ("flame_length", 0.7), ("fury", 1.0)];
@@ -106,7 +106,7 @@ fn m50_fur_under_flames_is_the_fur_alone_and_the_flames_are_the_flames_alone() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn m50_each_layer_has_its_own_color_and_opacity_and_its_shadow_that_opacity_too() {
+fn m50_layers_have_own_colors_opacities_and_shadows() {
     let medium = |name: &str, color: &str, rest: &str| {
         glsl_medium(&format!("vec3 medium(Sample s, float density) {{ return vec3({color}); }}\n{rest}"), name)
     };
@@ -170,7 +170,7 @@ fn m50_the_soft_region_is_as_wide_as_the_widest_layer() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn s01_5_fur_grows_where_its_mask_is_and_elsewhere_the_object_is_bare() {
+fn s01_5_fur_grows_only_within_its_mask() {
     let text = format!(
         "#include <dmf>\nvec3 surface(Sample s) {{\n    Sample at = sample_object({PLACE});\n    \
          return vec3(modulate(at.density, at), fur(at.density, at), height(at));\n}}"
@@ -221,7 +221,7 @@ fn p31_fur_is_the_formula_of_1989() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn p34_tribble_is_the_formula_of_1989_and_at_its_root_a_hair_is_straight() {
+fn p34_tribble_is_the_formula_of_1989_with_straight_roots() {
     let shift = {
         let library = shader::shipped();
         let text = library.source("vector_noise.glsl").unwrap();
@@ -329,7 +329,7 @@ fn g04_all_four_channels_of_the_random_block_are_read() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn p40_more_gain_forces_less_amplitude_so_that_the_steepest_slope_stays() {
+fn p40_gain_lowers_amplitude_and_keeps_the_steepest_slope() {
     let text = "#include \"dmf/traded.glsl\"\nvec3 surface(Sample s) {\n    s.density = 0.5;\n    s.x.z = 0.37;\n    \
         return 0.5 + 0.5 * vec3(traded(0.3, s), traded(0.3, s) - 0.3, 0.0);\n}";
     let formula = |g: f64, x: DVec3| 0.6 * (2.0 * gain(g, 0.5 + 0.5 * noise(3.0 * x)) - 1.0) / -(1.0 - g).log2();
@@ -352,7 +352,7 @@ fn p40_more_gain_forces_less_amplitude_so_that_the_steepest_slope_stays() {
 /// Response of a DMF to a change of a single input.
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn p04_a_dmf_changes_with_what_its_kind_says_and_with_nothing_else() {
+fn p04_a_dmf_depends_only_on_the_inputs_of_its_kind() {
     const BY_SAMPLE: &str = "// @needs normal\n\
                              vec3 project(vec3 x, Sample s) { return x - (s.distance - iso_value) * s.normal; }\n\
                              float trust(Sample s) { return 1.0; }\n";
@@ -386,7 +386,7 @@ const HELD: usize = 24;
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn g05_a_perturbed_lookup_gives_a_coarse_field_detail_that_it_cannot_hold() {
+fn g05_perturbed_lookups_add_detail_to_a_coarse_field() {
     let library =
         shader::shipped().with_module("surface", "depth_probe", "vec3 surface(Sample s) { return vec3(s.x.z); }");
     // Depths along a circle of radius 1/2 on a ball: a field of so many voxels, looked up at places moved so far.
@@ -456,7 +456,7 @@ fn g05_a_perturbed_lookup_gives_a_coarse_field_detail_that_it_cannot_hold() {
 }
 
 #[test]
-fn s01_5_the_tank_is_five_objects_in_their_places_with_parameters_of_their_own() {
+fn s01_5_the_tank_has_five_objects_with_own_parameters() {
     let library = shader::shipped();
     let mut scene = preset("tank").unwrap();
     scene.object.resolution = 64;
@@ -484,7 +484,7 @@ fn s01_5_the_tank_is_five_objects_in_their_places_with_parameters_of_their_own()
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn p26_the_amplitude_of_each_octave_of_the_fractal_sphere_is_one_over_its_frequency() {
+fn p26_octaves_of_the_fractal_sphere_scale_by_1_over_f() {
     let number = |scene: &Scene, parameter: &str| match scene.parameters[parameter] {
         ParameterValue::Number(value) => f64::from(value),
         ParameterValue::Color(_) => f64::NAN,

@@ -115,7 +115,7 @@ fn m12_a_stack_of_three_dmfs_is_their_composition() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn a_linear_field_is_reproduced_at_any_size_because_texels_are_centered() {
+fn centered_texels_reproduce_a_linear_field_at_any_size() {
     with_gpu(|gpu| {
         let sizes = [[2, 2, 2], [3, 5, 7], [63, 64, 65], [17, 2, 33]];
         for (size, source) in
@@ -148,7 +148,7 @@ fn a_linear_field_is_reproduced_at_any_size_because_texels_are_centered() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn m26_normals_of_a_stretched_object_go_by_the_inverse_transpose() {
+fn m26_normals_of_stretched_objects_use_inverse_transposes() {
     with_gpu(|gpu| {
         let (mut scene, library) = probe("eye_normal", include_str!("../glsl/eye_normal.glsl"));
         scene.object.input = "sphere".into();

@@ -65,7 +65,7 @@ fn p41_three_samples_are_of_first_order_and_six_of_second() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn p42_a_gradient_is_asked_for_only_where_the_density_lies_between_0_and_1() {
+fn p42_gradients_are_evaluated_only_in_soft_matter() {
     let count = "// Counts.\n// Source: -\n// Result: one more.\nfloat gradients = 0.0;\n\
         vec3 shading_normal(Sample s, float density, float path) { gradients += 1.0; return s.normal; }\n\
         void remember(float density) {}\nvoid enter(inout Sample s, inout float density, float path) {}\n";

@@ -88,7 +88,7 @@ fn g13_light_that_is_left_is_the_closed_form_of_a_ball() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn g13_scattered_light_is_spared_a_part_of_the_depth_of_a_slab_by_channel() {
+fn g13_scattered_light_passes_a_slab_by_channel() {
     let (library, rate, light) = (library(), 2.0, DVec3::new(3.0, 0.4, 4.0));
     with_gpu(|gpu| {
         let mut scene = lit("cube", rate, light);
@@ -116,7 +116,7 @@ fn normal(x: f64) -> f64 {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn g13_the_blur_of_scattered_light_grows_with_the_root_of_the_way() {
+fn g13_scattered_light_blurs_by_the_root_of_its_path() {
     let library = library();
     with_gpu(|gpu| {
         for (scatter, samples) in [(0.15, 64), (0.15, 256), (0.3, 128)] {

@@ -164,7 +164,7 @@ fn scan(folder: &Path) -> String {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn what_is_ignored_of_meshes_scans_and_further_objects_changes_no_bit() {
+fn ignored_settings_of_objects_change_no_bit() {
     let folder = tempfile::tempdir().unwrap();
     let scan = scan(folder.path());
     with_gpu(|gpu| {

@@ -185,7 +185,7 @@ fn ensemble() -> Scene {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn m63_objects_with_effects_of_their_own_give_one_picture_in_both_passes_and_leaping_changes_no_bit() {
+fn m63_objects_with_own_effects_look_equal_in_both_passes() {
     let library = shader::shipped();
     with_gpu(|gpu| {
         for boolean in [Boolean::Algebraic, Boolean::Minmax] {
@@ -209,7 +209,7 @@ fn m63_objects_with_effects_of_their_own_give_one_picture_in_both_passes_and_lea
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn m50_a_module_may_be_used_again_with_parameters_of_its_own_and_masked() {
+fn m50_a_module_repeats_with_own_parameters_and_mask() {
     let library = library();
     with_gpu(|gpu| {
         let mut scene = homogeneous("cube", 1.0, Projection::Parallel);
@@ -259,7 +259,7 @@ fn m49_a_dmf_acts_where_its_mask_says() {
 }
 
 #[test]
-fn an_error_in_a_module_of_a_further_object_names_object_module_and_line() {
+fn errors_of_further_modules_name_object_module_and_line() {
     let library =
         shader::shipped().with_module("dmf", "bad", "float bad(float density, Sample s) {\n    return qq;\n}");
     let mut scene = levels("main | b", Boolean::Algebraic, &[("main", 1.0), ("b", 1.0)]);

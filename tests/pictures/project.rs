@@ -84,7 +84,7 @@ fn p32_project_lies_on_the_inner_surface() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn p55_across_the_medial_axis_the_foot_is_on_one_side_or_the_other() {
+fn p55_feet_lie_on_either_side_of_the_medial_axis() {
     with_gpu(|gpu| {
         // The hole of the torus: on its axis every point of the inner rim is as near.
         let (input, solid) = SOLIDS[2];

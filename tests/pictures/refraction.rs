@@ -122,7 +122,7 @@ fn worst(found: &[[DVec3; 2]], truth: &[Traced], counts: impl Fn(usize, &Traced)
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn p28_parallel_rays_meet_behind_a_luneburg_lens_to_fourth_order() {
+fn p28_a_luneburg_lens_focuses_rays_to_fourth_order() {
     with_gpu(|gpu| {
         let lenses: Vec<Case> = cases::suite(Suite::Verify).filter(|case| case.name == "lenses").collect();
         let report = cases::run(std::slice::from_ref(gpu), &cases::library(), &lenses, &|_| ())
@@ -168,7 +168,7 @@ fn p28_a_slab_displaces_a_ray_as_snell_says() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn p28_a_glass_ball_refracts_and_reflects_as_snell_and_fresnel_say() {
+fn p28_a_glass_ball_obeys_snell_and_fresnel() {
     with_gpu(|gpu| {
         for (stretched, softness) in [(false, "hard"), (true, "hard"), (false, "linear")] {
             let mut scene = clear("sphere", &GLASS, Curve::Steps);

@@ -52,7 +52,7 @@ fn p39_octaves_fade_without_a_jump_as_the_step_grows() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn p39_clamping_is_nearer_to_the_truth_where_steps_are_longer_than_cells() {
+fn p39_clamping_reduces_the_error_of_steps_beyond_cells() {
     // A thin cloud: the optical depth along a ray is the mean of the turbulence.
     let cloud = "// Cloud.\n// Source: -\n// @param cells = 8 in [1, 64]: Cells per object unit.\n#include <turbulence>\n\
         float cloud(float density, Sample s) {\n\
@@ -261,7 +261,7 @@ fn p49_a_blurred_picture_is_the_mean_of_its_moments() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn p49_a_renderer_that_is_used_again_gives_the_pictures_that_a_new_one_gives() {
+fn p49_reused_and_new_renderers_give_equal_pictures() {
     let library = shader::shipped();
     with_gpu(|gpu| {
         for (effect, parameter) in [("fire", "fury"), ("melting", "melt_time")] {
@@ -308,7 +308,7 @@ fn p49_a_renderer_that_is_used_again_gives_the_pictures_that_a_new_one_gives() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn p48_blue_phases_leave_as_large_an_error_and_less_of_it_after_a_filter() {
+fn p48_blue_phases_leave_less_error_after_a_filter() {
     with_gpu(|gpu| {
         const SIDE: usize = 96;
         let mut scene = homogeneous("sphere", 0.5, Projection::Perspective);

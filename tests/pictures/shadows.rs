@@ -28,7 +28,7 @@ fn errors(light: &Transmittance, expected: impl Fn(Vec3) -> f32) -> (f32, f32) {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn p54_the_transmittance_volume_is_the_closed_form_of_a_homogeneous_sphere() {
+fn p54_transmittance_of_a_sphere_is_its_closed_form() {
     let (library, rate) = (shader::shipped(), 1.3);
     with_gpu(|gpu| {
         // Before the object, far away, beside it, and inside of it.
@@ -90,7 +90,7 @@ fn p54_soft_matter_of_second_order() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn p54_a_point_behind_an_opaque_sphere_is_dark_and_beside_it_lit() {
+fn p54_points_behind_an_opaque_sphere_are_in_its_shadow() {
     let library = shader::shipped();
     with_gpu(|gpu| {
         let mut scene = Scene::default();

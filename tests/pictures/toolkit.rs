@@ -92,7 +92,7 @@ fn p22_the_dmfs_that_know_the_place_are_their_formulas() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn p05_the_toolkit_stacks_in_any_order_and_nothing_leaves_its_range() {
+fn p05_toolkit_stacks_of_any_order_stay_in_range() {
     let dmfs = shader::shipped().modules("dmf").iter().map(|name| name.to_string()).collect::<Vec<_>>();
     let plain = |name: &String| !["fur", "tribble", "fire", "woven"].contains(&name.as_str());
     let dmfs: Vec<String> = dmfs.into_iter().filter(plain).collect();
@@ -258,7 +258,7 @@ const WARPS: [Warp; 6] = [
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn p24_every_warp_is_its_formula_with_its_derivative_and_its_reach() {
+fn p24_warps_match_formula_derivative_and_reach() {
     let text = include_str!("../glsl/warp_probe.glsl");
     with_gpu(|gpu| {
         for (name, parameters, reach, formula) in WARPS {
@@ -291,7 +291,7 @@ fn p24_every_warp_is_its_formula_with_its_derivative_and_its_reach() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn g03_flames_and_their_relief_rise_together_at_the_speed_of_the_parameter() {
+fn g03_flames_and_relief_rise_at_the_speed_parameter() {
     with_gpu(|gpu| {
         for mode in ["0", "1"] {
             let text = include_str!("../glsl/rising_probe.glsl").replace("MODE", mode);

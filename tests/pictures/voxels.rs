@@ -36,7 +36,7 @@ fn made(gpu: &Gpu, scene: &Scene, grid: u32) -> Result<(VoxelPlan, Vec<VoxelLeaf
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn voxels_hold_the_density_and_the_color_at_their_places_in_the_world() {
+fn voxels_hold_density_and_color_at_world_places() {
     with_gpu(|gpu| {
         let mut scene = ball("linear");
         (scene.object.stretch, scene.object.up) = ([1.0, 2.0, 0.5], Axis::Z);

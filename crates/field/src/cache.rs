@@ -280,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn p55_closest_points_are_computed_once_and_kept_beside_their_field() {
+    fn p55_closest_points_are_cached_beside_their_field() {
         let folder = tempfile::tempdir().unwrap();
         let key = Key::new(&shape(), &REQUEST);
         let computed = Cell::new(0);

@@ -273,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn points_together_are_points_alone_and_a_ball_is_wound_around_once() {
+    fn batched_winding_numbers_equal_single_ones_and_a_ball_has_1() {
         let bvh = Bvh::new(&ball(10.0));
         let winding = Winding::new(&bvh);
         let points = [0.0, 3.0, 9.8, 10.2, 11.0, 15.0, 40.0, 900.0].map(|x| Vec3::new(x, 0.1, 0.2));

@@ -318,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn an_object_adds_matter_where_it_stands_under_an_even_number_of_complements() {
+    fn an_object_under_an_even_number_of_complements_adds_matter() {
         let formula = Formula::parse("a - (b - !c) | !d & !!e").unwrap();
         let adds: Vec<_> = formula.objects().into_iter().collect();
         assert_eq!(adds, [("a", true), ("b", false), ("c", false), ("d", false), ("e", true)]);

@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn p48_blue_noise_has_every_value_once_and_little_power_at_low_frequencies() {
+    fn p48_blue_noise_is_a_permutation_with_few_low_frequencies() {
         const SIDE: usize = 32;
         let tile: Vec<f64> = blue_noise(SIDE).into_iter().map(f64::from).collect();
         let mut sorted = tile.clone();

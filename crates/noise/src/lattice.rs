@@ -111,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn p21_turbulence_stays_within_its_range_and_octaves_fade_to_the_mean_of_the_noise() {
+    fn p21_turbulence_stays_in_range_and_fades_to_its_mean() {
         let (mut largest, mut sum) = (0.0f64, [0.0; 2]);
         for p in points(200_000) {
             largest = largest.max(Lattice::default().turbulence(p, Period::ENDLESS, 8).1);

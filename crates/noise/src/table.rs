@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn p19_one_lookup_correlates_neighboring_gradients_and_three_do_not() {
+    fn p19_three_lookups_decorrelate_neighboring_gradients() {
         let noise = Noise::new(1, Weights::Quintic);
         let once = |i: usize, j: usize, k: usize| noise.gradients[usize::from(noise.permutation[(i + j + k) % TABLE])];
         let thrice = |i: usize, j: usize, k: usize| noise.knot([i, j, k]);
@@ -122,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn m16_the_curvature_jumps_at_lattice_planes_in_1989_and_no_longer_in_2002() {
+    fn m16_curvature_jumps_at_lattice_planes_in_1989_not_2002() {
         let h = 1e-4;
         let curvature = |noise: &Noise, x: f64| {
             let at = |x| noise.sample([x, 3.4, 7.7], 256).1;

@@ -254,7 +254,7 @@ mod tests {
     }
 
     #[test]
-    fn boundaries_in_hounsfield_units_have_names_and_others_have_none() {
+    fn only_hounsfield_boundaries_have_names() {
         let words =
             |offset| of_volume(&scan(offset)).lines.into_iter().find(|line| line.name == "iso-values").unwrap().words;
         let ct = words(1000.0);

@@ -293,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_format_shows_how_the_file_begins_and_what_is_known() {
+    fn an_unknown_format_shows_the_first_bytes_and_known_formats() {
         let message = read("duck.blend", b"BLENDER-v300rest").unwrap_err().to_string();
         assert!(message.contains("BLENDER") && message.contains(".obj"), "{message}");
         assert_eq!(message.lines().count(), 1);

@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn a_child_is_late_by_the_time_of_the_processor_and_not_of_the_wall() {
+    fn a_child_is_late_by_processor_time_not_wall_time() {
         let mut busy = shell("while :; do :; done");
         let second = Duration::from_secs(1);
         // Late soon after a second of processor time and not before, however long it waits for the processor.
@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn own_time_of_the_processor_is_that_of_the_system_in_finer_steps() {
+    fn own_processor_time_refines_that_of_the_system() {
         let coarse = || processor_time(std::process::id()).unwrap();
         let before = coarse();
         while coarse() < before + Duration::from_millis(50) {

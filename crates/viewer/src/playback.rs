@@ -44,7 +44,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn time_runs_at_its_speed_and_begins_again_only_where_it_repeats() {
+    fn time_runs_at_its_speed_and_restarts_only_in_loops() {
         let once = Playback { speed: 2.0, range: [1.0, 3.0], repeats: false };
         assert_eq!(once.after(2.5, 1.0), 4.5);
         let again = Playback { repeats: true, ..once };

@@ -123,7 +123,7 @@ fn recorded(
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn a_recorded_picture_is_that_of_render_over_what_the_host_has_drawn() {
+fn a_recorded_picture_is_render_over_the_host_picture() {
     let _lock = ValidationLock::acquire();
     let [own, gpu] = host();
     let messages = own.messages();
@@ -272,7 +272,7 @@ fn moving_frames_of_a_host_are_recorded_without_a_wait() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn a_device_that_is_lost_is_an_error_of_every_call_and_of_no_other_device() {
+fn a_lost_device_fails_its_calls_and_no_other_device() {
     let _lock = ValidationLock::acquire();
     turn_on();
     let library = shader::shipped();

@@ -66,7 +66,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn one_sub_frame_is_the_center_of_the_pixel_at_the_time_of_the_scene() {
+    fn one_sub_frame_is_the_pixel_center_at_the_scene_time() {
         let mut scene = Scene::default();
         scene.camera.time = 2.5;
         let all: Vec<_> = SubFrame::all(&scene).collect();

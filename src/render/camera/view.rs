@@ -330,7 +330,7 @@ mod tests {
     use crate::shader;
 
     #[test]
-    fn m01_the_trackball_turns_the_texture_matrix_and_moves_no_vertex() {
+    fn m01_the_trackball_turns_the_texture_not_the_vertices() {
         for (effect, method) in
             EFFECTS.into_iter().flat_map(|effect| [LightMethod::Volume, LightMethod::HalfAngle].map(|m| (effect, m)))
         {

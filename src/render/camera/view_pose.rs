@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn b1_pan_zoom_and_the_shape_of_the_window_move_the_middle_plane_as_the_camera_does() {
+    fn b1_pan_zoom_and_aspect_move_the_middle_plane() {
         for projection in [Projection::Perspective, Projection::Parallel] {
             let still = |scene: &mut Scene| (scene.image.size, scene.camera.projection) = ([400, 300], projection);
             let (from, old) = sight(still);

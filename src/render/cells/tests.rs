@@ -246,7 +246,7 @@ fn noise_is_not_looked_up_in_place_of_cells_that_a_module_reads() {
 }
 
 #[test]
-fn m61_nearly_as_many_cells_of_computed_noise_are_empty_as_of_a_block() {
+fn m61_computed_and_block_noise_have_similar_empty_cells() {
     let library = shader::shipped();
     let mut random = SplitMix(2005);
     for name in ["noisy_sphere", "fractal_sphere", "clouds", "flow"] {
@@ -326,7 +326,7 @@ fn m61_cells_that_are_called_empty_hold_no_matter() {
 }
 
 #[test]
-fn m61_slices_and_rays_have_tiles_where_cells_may_hold_matter_and_few_elsewhere() {
+fn m61_tiles_cover_cells_with_matter_and_few_others() {
     let library = shader::shipped();
     let mut random = SplitMix(39);
     let changes: [fn(&mut Scene); 5] = [

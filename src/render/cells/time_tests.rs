@@ -14,7 +14,7 @@ const TIMES: usize = 6;
 const SAMPLES: usize = 20_000;
 
 #[test]
-fn m61_cells_that_are_empty_over_an_interval_of_time_are_so_at_each_time_in_it() {
+fn m61_cells_empty_over_an_interval_are_empty_at_each_time() {
     let library = shader::shipped();
     let mut random = SplitMix(24);
     let (mut fewer, scenes) = (0, [("fire", 0.5), ("smoke", 1.0), ("clouds", 1.0), ("burning_bush", 0.2)]);

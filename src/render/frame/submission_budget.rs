@@ -126,7 +126,7 @@ mod tests {
     const WHOLE: f64 = 3e8;
 
     #[test]
-    fn an_empty_beginning_does_not_make_the_next_submission_the_whole_picture() {
+    fn an_empty_start_does_not_inflate_the_next_submission() {
         let cost = |done: f64| if done < 0.3 { 1e-9 } else { DEAR };
         let mut budget = SubmissionBudget::default();
         picture(&mut budget, 1e7, |_| DEAR); // a preview
@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_submissions_are_small_and_grow_to_what_they_may_take() {
+    fn submissions_start_small_and_grow_to_their_budget() {
         for cost in [1e-9, 1e-7, 1e-6, 1e-4] {
             let all = picture(&mut SubmissionBudget::default(), WHOLE.min(100.0 * SUBMISSION_MS / cost), |_| cost);
             assert!(all[0][0] <= FIRST);

@@ -63,7 +63,7 @@ mod tests {
     use crate::{scene::preset, shader};
 
     #[test]
-    fn a_ray_meets_the_nearest_surface_of_a_formula_and_of_its_field() {
+    fn a_ray_hits_the_nearest_surface_of_formula_and_field() {
         for encoding in ["auto", "distance32"] {
             let mut scene = preset("lit").unwrap();
             scene.object.input = "torus".into();

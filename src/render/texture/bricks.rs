@@ -121,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn g14_a_brick_holds_the_texels_of_the_volume_and_an_entry_bounds_the_others() {
+    fn g14_bricks_hold_texels_and_index_entries_bound_the_rest() {
         let field = ball();
         let bytes: Vec<u8> = field.values.iter().flat_map(|value| value.to_ne_bytes()).collect();
         let bricks = Bricks::of(&field, [-2.0, 3.0], |number| [0.0, 0.0, 0.0, field.values[number] / 100.0]);

@@ -86,7 +86,7 @@ mod tests {
     use crate::scene::Curve;
 
     #[test]
-    fn m05_a_segment_of_constant_density_has_the_opacity_of_its_path() {
+    fn m05_a_segment_of_equal_density_has_its_path_opacity() {
         let opacity = |density: f32, path: f32| 1.0 - (1.0 - 0.9 * density).powf(path);
         let map = ramp(Curve::Linear);
         let opacities =

@@ -118,7 +118,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn p23_steps_hold_and_splines_pass_through_their_stops_without_overshoot() {
+    fn p23_steps_hold_and_splines_meet_stops_without_overshoot() {
         assert_eq!(evaluate(&ramp(Curve::Steps), 0.39).w, 0.0);
         assert_eq!(evaluate(&ramp(Curve::Steps), 0.41).w, 1.0);
         for curve in [Curve::Linear, Curve::Spline] {

@@ -122,7 +122,7 @@ mod tests {
     use crate::shader::compile::refusal;
 
     #[test]
-    fn texts_of_the_program_itself_are_linked_here_and_those_of_a_person_elsewhere() {
+    fn shipped_texts_are_linked_here_and_custom_ones_by_a_child() {
         let mut scene = crate::scene::preset("noisy_sphere").unwrap();
         let shipped = shader::shipped().compiled_by(std::path::Path::new("no such program"));
         let own = |library: &Library, variant: &Variant| {

@@ -51,7 +51,7 @@ fn a_shipped_program_is_the_one_that_run_time_links() {
 }
 
 #[test]
-fn a_program_comes_back_from_the_disk_and_another_module_is_another_program() {
+fn programs_are_cached_on_disk_by_their_modules() {
     let library = shader::shipped().with_module(
         "dmf",
         "own",
@@ -93,7 +93,7 @@ fn normals_are_left_out_where_no_module_reads_them() {
 }
 
 #[test]
-fn p54_the_program_of_a_shadow_reads_no_image_that_the_picture_does_not() {
+fn p54_shadow_programs_read_only_images_of_the_picture() {
     let library = shader::shipped();
     for (effect, object) in EFFECTS.into_iter().chain(["shells"]).flat_map(|e| [(e, "teapot"), (e, "torus")]) {
         let mut scene = preset(effect).unwrap();

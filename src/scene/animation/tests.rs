@@ -27,7 +27,7 @@ fn a_number_goes_from_key_to_key_in_the_way_that_its_key_says() {
 }
 
 #[test]
-fn a_smooth_way_has_no_jump_of_its_speed_and_stays_between_its_keys() {
+fn smooth_interpolation_has_continuous_speed_within_its_keys() {
     let keys = [(0.0, 1.0), (1.0, 1.5), (2.0, 6.0), (4.0, 6.0), (5.0, 2.0)];
     let list = keys.map(|(time, value)| format!("{{ time = {time}, value = {value}, ease = \"smooth\" }}")).join(",");
     for period in ["", "loop = 6\n"] {

@@ -407,7 +407,7 @@ pub(in crate::scene) mod tests {
     }
 
     #[test]
-    fn unknown_modules_and_parameters_are_refused_with_the_nearest_name() {
+    fn unknown_modules_and_parameters_suggest_the_nearest_name() {
         assert!(refusal(|s| s.effect.medium = "hairs".into()).contains("did you mean `hair`?"));
         let error = refusal(|s| {
             s.parameters.insert("finenes".into(), ParameterValue::Number(1.0));

@@ -73,7 +73,7 @@ mod tests {
     use crate::shader;
 
     #[test]
-    fn a_classification_says_what_it_draws_outside_and_what_has_segments() {
+    fn classifications_declare_outside_matter_and_segments() {
         let library = shader::shipped();
         for name in library.modules("classify") {
             let scene = |change: &dyn Fn(&mut Scene)| {

@@ -192,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn rays_that_may_wait_for_each_other_for_too_long_find_first_where_the_target_can_say_that_they_were_cut() {
+    fn long_loops_use_two_phases_in_targets_that_mark_cut_rays() {
         let library = shader::shipped();
         let empty_space = |samples, warp: &[&str], target| {
             let mut scene = crate::scene::preset("lit").unwrap();

@@ -234,7 +234,7 @@ mod tests {
     use super::saved;
 
     #[test]
-    fn a_saving_is_an_interval_where_the_times_lie_apart_and_no_number_elsewhere() {
+    fn savings_are_intervals_if_the_times_do_not_overlap() {
         for (times, others, said) in [
             ([9.0, 10.0, 11.0], [18.0, 20.0, 20.0], "39 to 55 %"),
             ([10.0; 3], [20.0; 3], "50 %"),

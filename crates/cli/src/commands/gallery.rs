@@ -314,7 +314,7 @@ mod tests {
     }
 
     #[test]
-    fn figures_of_one_object_share_its_field_where_it_reaches_as_far() {
+    fn figures_of_one_object_share_fields_of_equal_margin() {
         let library = hypertexture::shader::shipped();
         let scenes = checked(&library, &effects("knot").unwrap()).unwrap();
         let margins: Vec<f32> = objects(&scenes).iter().map(|shared| shared.margin).collect();

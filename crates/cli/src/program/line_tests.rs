@@ -37,7 +37,7 @@ fn the_command_line_of_every_preset_is_its_name() {
 }
 
 #[test]
-fn the_command_line_of_every_picture_of_the_gallery_gives_its_scene() {
+fn command_lines_of_the_gallery_give_its_scenes() {
     let mut scenes = gallery::examples().unwrap();
     scenes.extend(gallery::effects("some where/my box.obj").unwrap());
     for (name, mut scene) in scenes {

@@ -100,7 +100,7 @@ mod tests {
     use std::sync::Mutex;
 
     #[test]
-    fn without_a_terminal_the_first_report_is_a_line_and_each_period_another() {
+    fn progress_without_a_terminal_is_a_line_per_period() {
         for announce in [true, false] {
             let lines = Mutex::new(Vec::new());
             let say = |line: String| lines.lock().unwrap().push(line);

@@ -168,7 +168,7 @@ fn a_long_text_a_long_answer_and_a_missing_program_are_errors() {
 }
 
 #[test]
-fn m52_a_broken_module_keeps_the_old_and_a_mended_one_brings_its_parameters() {
+fn m52_a_broken_module_keeps_the_last_good_one() {
     let (mut author, mut model) = desk("fur");
     let old = author.text.clone();
     let broken = old.replacen("float fur(", "float qq = tangled;\nfloat fur(", 1);
@@ -214,7 +214,7 @@ fn a_new_module_is_tried_before_the_scene_uses_it() {
 }
 
 #[test]
-fn a_text_in_the_compiler_is_used_once_it_is_good_and_nothing_is_said_of_the_one_before() {
+fn a_compiled_text_replaces_the_module_and_old_errors_go() {
     let (mut author, mut model) = desk("lit");
     author.fork(model.library(), "pelt").unwrap();
     let (good, unused) = (author.text.clone(), model.scene().effect.dmf.clone());
@@ -343,7 +343,7 @@ fn a_scene_that_was_not_saved_opens_again_with_its_own_modules() {
 }
 
 #[test]
-fn of_a_file_and_a_text_that_have_both_changed_one_is_taken_and_none_is_lost_before() {
+fn a_file_and_a_text_changed_together_wait_for_a_choice() {
     let (mut author, mut model) = desk("fur");
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("ripples.glsl");
@@ -390,7 +390,7 @@ fn of_a_file_and_a_text_that_have_both_changed_one_is_taken_and_none_is_lost_bef
 }
 
 #[test]
-fn a_followed_module_is_in_its_slot_whatever_its_folder_is_called() {
+fn a_watched_module_fills_its_slot_from_any_folder() {
     let (mut author, model) = desk("fur");
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("other_name.glsl");

@@ -32,7 +32,7 @@ fn number(row: &HashMap<String, String>, column: &str) -> f64 {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn m56_a_comparison_writes_its_report_and_repeats_every_digit_of_its_errors() {
+fn m56_a_comparison_repeats_all_digits_of_its_errors() {
     let desk = tempfile::tempdir().unwrap();
     let same = "compare sphere --effect fire --size 48x48";
     let arguments = format!("{same} --sweep 8,16,32 --repeat 3");
@@ -135,7 +135,7 @@ fn plain(scene: &Scene, light: f64) -> Reference {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn errors_are_those_against_the_reference_and_a_missing_reference_is_a_failure() {
+fn errors_are_taken_against_the_reference() {
     with_gpu(|gpu| {
         let library = shader::shipped();
         let mut scene = preset("fire").unwrap();
@@ -169,7 +169,7 @@ fn errors_are_those_against_the_reference_and_a_missing_reference_is_a_failure()
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn a_quick_sweep_goes_on_along_the_front_unless_its_samples_are_given() {
+fn a_quick_sweep_refines_the_front_unless_samples_are_set() {
     with_gpu(|gpu| {
         let library = shader::shipped();
         let mut scene = preset("clouds").unwrap();
@@ -248,7 +248,7 @@ fn a_candidate_that_fails_fails_the_report_which_is_written() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn m56_m57_a_full_comparison_has_every_strategy_and_every_column_of_table_3() {
+fn m56_m57_a_full_comparison_fills_table_3() {
     if !is_whole() {
         return eprintln!("skipped: 653 candidates take minutes; HYPERTEXTURE_WHOLE=1 measures them");
     }

@@ -23,7 +23,7 @@ fn name(path: &std::path::Path) -> PathBuf {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn a_program_that_is_killed_leaves_nothing_torn_and_goes_on_where_it_was() {
+fn a_killed_program_leaves_whole_files_and_resumes() {
     let kills = std::env::var("HYPERTEXTURE_KILLS")
         .ok()
         .and_then(|count| count.parse().ok())

@@ -23,7 +23,7 @@ fn json(folder: &Path) -> Value {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn m54_m55_m56_the_tables_of_the_paper_stand_beside_ours_with_their_errors() {
+fn m54_m55_m56_tables_show_the_paper_beside_ours() {
     let desk = tempfile::tempdir().unwrap();
     let output = run(desk.path(), "compare torus --paper --scale 0.05 --size 12x12 --samples 48 --repeat 2 -o r");
     let wrong = unexpected(&output);
@@ -134,7 +134,7 @@ fn dark(scene: &Scene) -> Reference {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn m57_every_window_is_drawn_with_its_sampling_and_what_fails_is_one_cell() {
+fn m57_windows_keep_their_sampling_and_fail_by_cell() {
     with_gpu(|gpu| {
         let library = shader::shipped();
         let mut scene = preset("lit").unwrap();
@@ -175,7 +175,7 @@ fn m57_every_window_is_drawn_with_its_sampling_and_what_fails_is_one_cell() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn m58_fragments_that_are_kept_with_alpha_0_change_no_bit_of_a_picture() {
+fn m58_kept_fragments_of_alpha_0_change_no_bit() {
     with_gpu(|gpu| {
         let library = shader::shipped();
         let ways = [

@@ -83,7 +83,7 @@ fn what_changes_nothing_is_said_in_one_line() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn a_final_picture_has_smooth_edges_unless_one_ray_for_each_pixel_is_asked_for() {
+fn final_pictures_are_supersampled_by_default() {
     let desk = Desk::new();
     desk.write("one.toml", "preset = \"lit\"\nobject.input = \"sphere\"\nquality.supersampling = 1\n");
     desk.write("open.toml", "preset = \"lit\"\nobject.input = \"sphere\"\nquality.samples = 48\n");
@@ -190,7 +190,7 @@ fn a_saved_scene_gives_the_same_picture() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn a_module_of_a_preset_can_be_exchanged_although_the_preset_sets_its_parameters() {
+fn a_preset_module_with_parameters_can_be_exchanged() {
     let said = Desk::new().good(&format!("render torus --effect fire --module medium=lit --set fury=1 {SMALL}"));
     assert!(said.contains("medium=lit"), "{said}");
 }
@@ -240,7 +240,7 @@ fn a_module_of_ones_own_that_is_wrong_is_refused_at_its_line() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn a_module_of_ones_own_that_gives_no_number_or_does_not_end_is_named() {
+fn custom_modules_with_nan_or_endless_loops_are_named() {
     let with =
         |desk: &Desk, body: &str| desk.write("swell.glsl", SWELL.replace("return pow(density, swell_power);", body));
     let desk = Desk::new();
@@ -340,7 +340,7 @@ fn commands_of(page: &str) -> Vec<String> {
 #[cfg(unix)]
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn the_command_under_a_picture_of_the_gallery_makes_that_picture() {
+fn commands_of_the_gallery_make_its_pictures() {
     let desk = Desk::new();
     desk.write("my 'new' <box>.obj", BOX);
     let mut command = desk.command("gallery --size 40x24 --samples 20 --resolution 24 --up z -o dir");
@@ -359,7 +359,7 @@ fn the_command_under_a_picture_of_the_gallery_makes_that_picture() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn p58_a_gallery_without_an_object_has_every_figure_under_its_paper() {
+fn p58_a_gallery_without_an_object_groups_figures_by_paper() {
     let desk = Desk::new();
     desk.good("gallery --size 16x16 --samples 16 --resolution 24");
     let page = fs::read_to_string(desk.file("out/index.html")).unwrap();
@@ -375,7 +375,7 @@ fn p58_a_gallery_without_an_object_has_every_figure_under_its_paper() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn the_name_of_a_figure_renders_it_whole_and_an_effect_goes_over_it() {
+fn a_figure_is_rendered_by_name_and_takes_another_effect() {
     let desk = Desk::new();
     desk.good(&format!("render noisy_sphere -o x.png --save-scene s.toml {SMALL}"));
     let saved = hypertexture::scene::load(&desk.file("s.toml"), Reach::Anywhere).unwrap();

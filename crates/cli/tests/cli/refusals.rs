@@ -253,7 +253,7 @@ fn dmf(desk: &Desk, name: &str, before: &str, body: &str) {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn glsl_that_harms_a_compiler_or_a_driver_is_refused_in_one_line() {
+fn harmful_glsl_is_refused_in_one_line() {
     let terms = format!("return density{};", "+density".repeat(20_000));
     let growing: String =
         (1..10).map(|k| format!("#define A{k} {}\n", vec![format!("A{}", k - 1); 10].join("+"))).collect();
@@ -323,7 +323,7 @@ fn what_never_ends_is_not_read() {
 }
 
 #[test]
-fn no_file_is_written_over_another_that_the_command_reads_or_writes() {
+fn outputs_never_overwrite_inputs_or_each_other() {
     let read = "this command reads that file; give it a name of its own";
     let goes = "--output goes there; give it a name of its own";
     refused(

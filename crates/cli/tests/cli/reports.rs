@@ -69,7 +69,7 @@ fn values_without_a_header_become_a_volume_of_any_format() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn what_a_picture_is_made_with_is_explained_with_what_leaving_out_saves() {
+fn explain_lists_modules_and_the_savings_without_them() {
     let desk = Desk::new();
     let said = desk.good("explain torus --effect clouds --pass march --size 96x96 --samples 256");
     let line =

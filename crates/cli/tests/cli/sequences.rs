@@ -21,7 +21,7 @@ fn good(folder: &Path, arguments: &str) -> String {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn a_sequence_goes_on_where_it_stopped_and_mends_what_is_damaged() {
+fn a_sequence_resumes_and_replaces_damaged_frames() {
     let folder = tempfile::tempdir().unwrap();
     let desk = folder.path();
     let all = format!("{FRAMES} --frames 8..11 -o f_##.png");
@@ -117,7 +117,7 @@ fn p53_the_shards_of_a_sequence_are_the_sequence() {
 #[test]
 #[cfg(unix)]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn an_interrupted_sequence_finishes_its_frame_and_exits_with_130() {
+fn an_interrupted_sequence_ends_its_frame_with_code_130() {
     let folder = tempfile::tempdir().unwrap();
     let desk = folder.path();
     let all = format!("{FRAMES} --frames 0..5000 -o f.png");

@@ -35,7 +35,7 @@ fn bad(desk: &Path, arguments: &str, code: i32) -> String {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn every_picture_says_which_scene_it_shows_and_is_verified_by_it() {
+fn pictures_name_their_scene_and_are_verified_by_it() {
     let folder = tempfile::tempdir().unwrap();
     let desk = folder.path();
     fs::write(desk.join("body.obj"), MESH).unwrap();
@@ -152,7 +152,7 @@ fn a_picture_that_was_altered_is_found_out() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn a_picture_with_a_pixel_that_is_no_number_is_not_that_of_its_scene() {
+fn verify_rejects_pictures_with_nan_pixels() {
     let folder = tempfile::tempdir().unwrap();
     let (desk, path) = (folder.path(), folder.path().join("a.exr"));
     good(desk, "render torus --effect lit --size 48x40 -o a.exr");
@@ -170,7 +170,7 @@ fn a_picture_with_a_pixel_that_is_no_number_is_not_that_of_its_scene() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn a_picture_of_another_device_may_round_another_way_and_no_more() {
+fn pictures_of_another_device_differ_by_rounding_alone() {
     let folder = tempfile::tempdir().unwrap();
     let desk = folder.path();
     good(desk, "render torus --effect fur --size 96x80 --samples 96 --background #102030 -o a.png");
@@ -201,7 +201,7 @@ fn a_picture_of_another_device_may_round_another_way_and_no_more() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn a_coarse_picture_is_what_its_scene_gives_and_its_error_is_said() {
+fn verify_accepts_a_coarse_picture_and_reports_its_error() {
     let folder = tempfile::tempdir().unwrap();
     let desk = folder.path();
     for arguments in [

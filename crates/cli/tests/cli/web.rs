@@ -225,7 +225,7 @@ fn what_cannot_be_carried_is_refused_in_one_line() {
 }
 
 #[test]
-fn an_export_describes_the_bindings_of_its_programs_and_its_files() {
+fn an_export_describes_its_files_and_bindings() {
     let root = tempfile::tempdir().unwrap();
     let made = run(root.path(), "export teapot --effect fur --resolution 32 -o fur");
     assert!(made.status.success(), "{}", unexpected(&made));

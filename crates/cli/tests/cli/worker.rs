@@ -55,7 +55,7 @@ fn fire() -> (Scene, Subject) {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn a_worker_draws_the_picture_of_this_process_and_says_what_it_says() {
+fn a_worker_returns_the_same_picture_and_messages() {
     with_gpu(|gpu| {
         let (mut scene, subject) = fire();
         // A module of one's own, and a value that is written with many digits.
@@ -97,7 +97,7 @@ fn dark(scene: &Scene) -> Result<Arc<Reference>, String> {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn a_driver_that_crashes_or_hangs_on_a_candidate_costs_the_comparison_that_one() {
+fn a_driver_crash_or_hang_costs_a_comparison_one_candidate() {
     let folder = tempfile::tempdir().unwrap();
     // A request holds the text of a scene, its quotes escaped.
     let start = broken(folder.path(), "/turbulence = ..lookups4/", "/turbulence = ..lookups8/ && /samples = 17/");

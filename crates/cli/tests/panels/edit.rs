@@ -134,7 +134,7 @@ fn a_word_is_found_one_place_after_another() {
 }
 
 #[test]
-fn what_is_wrong_stands_at_its_line_on_the_screen_and_the_text_does_not_move() {
+fn errors_stand_at_their_line_and_the_text_stays() {
     let mut hand = editor();
     let place = hand.rect("author.text");
     at_end(&mut hand);

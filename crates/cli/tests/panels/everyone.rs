@@ -140,7 +140,7 @@ fn words_are_those_of_the_field_and_numbers_have_their_units() {
 }
 
 #[test]
-fn azimuth_and_elevation_follow_a_turn_and_asking_for_one_keeps_the_other() {
+fn azimuth_and_elevation_follow_the_rotation() {
     let mut hand = Hand::open(preset("lit").unwrap());
     let mut turned = hand.scene().camera;
     (turned.azimuth, turned.elevation) = (-50.0, 35.0);
@@ -167,7 +167,7 @@ fn an_object_is_chosen_from_a_list() {
 }
 
 #[test]
-fn a_picture_is_opened_as_the_scene_it_shows_and_any_other_changes_nothing() {
+fn opening_a_picture_loads_the_scene_inside_it() {
     let folder = tempfile::tempdir().unwrap();
     let [own, other] = ["own.png", "other.png"].map(|name| folder.path().join(name));
     let mut model = Model::new(preset("fur").unwrap(), shader::shipped()).unwrap();
@@ -193,7 +193,7 @@ fn a_picture_is_opened_as_the_scene_it_shows_and_any_other_changes_nothing() {
 }
 
 #[test]
-fn messages_have_a_place_of_their_own_and_the_picture_keeps_its_size() {
+fn messages_do_not_resize_the_picture() {
     let mut hand = Hand::new(preset("fur").unwrap());
     let line = hand.rect("undo");
     hand.model().say("something went wrong");

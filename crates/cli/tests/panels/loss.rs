@@ -107,7 +107,7 @@ fn a_window_with_unsaved_work_asks_before_it_closes() {
 }
 
 #[test]
-fn what_was_kept_is_offered_and_comes_back_and_opened_files_are_remembered() {
+fn drafts_are_restored_and_recent_files_remembered() {
     let folder = tempfile::tempdir().unwrap();
     let kept = folder.path().join("unsaved").join("1");
     fs::create_dir_all(kept.join("dmf")).unwrap();
@@ -186,7 +186,7 @@ fn wait(hand: &mut Hand, is_there: impl Fn(&mut Hand) -> bool) {
 }
 
 #[test]
-fn a_file_is_followed_while_the_editor_is_closed_and_its_end_is_said() {
+fn a_file_is_watched_with_the_editor_closed() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("half_of.glsl");
     let text =

@@ -49,7 +49,7 @@ fn paste(hand: &mut Hand, name: &str, text: &str) {
 }
 
 #[test]
-fn a_right_click_on_a_control_copies_pastes_resets_and_animates_it() {
+fn the_context_menu_copies_pastes_resets_and_animates() {
     let mut hand = Hand::new(preset("fire").unwrap());
     let fury = |hand: &Hand| hand.scene().parameters.get("fury").cloned();
     open(&mut hand, FURY);

@@ -188,7 +188,7 @@ fn number(scene: &Scene, name: &str) -> Option<f64> {
 }
 
 #[test]
-fn m53_every_slider_of_every_preset_sets_the_field_it_is_named_after() {
+fn m53_sliders_set_the_fields_of_their_names() {
     let mut tried = BTreeSet::new();
     for name in scene::names() {
         let mut hand = Hand::open(preset(name).unwrap());
@@ -284,7 +284,7 @@ fn opacity(hand: &Hand, label: &str) -> u8 {
 }
 
 #[test]
-fn settings_that_the_picture_does_not_read_are_dimmed_where_they_are() {
+fn unused_settings_are_dimmed_in_place() {
     let mut hand = Hand::open(scene::preset("lit").unwrap());
     let names = ["effect.medium", "effect.surface", "effect.turbulence", "quality.samples", "image.size.x"];
     let places = |hand: &Hand| names.map(|name| hand.rect(name));
@@ -299,7 +299,7 @@ fn settings_that_the_picture_does_not_read_are_dimmed_where_they_are() {
 }
 
 #[test]
-fn another_medium_has_other_parameters_and_stays_under_the_pointer() {
+fn a_change_of_medium_keeps_its_control_in_place() {
     let mut hand = Hand::advanced(preset("fire").unwrap());
     let (before, parameters) = (hand.rect("effect.medium"), hand.model().parameters(None).iter().count());
     hand.choose("effect.medium", "lit");
@@ -308,7 +308,7 @@ fn another_medium_has_other_parameters_and_stays_under_the_pointer() {
 }
 
 #[test]
-fn the_panel_has_its_width_again_when_the_window_has_room_for_it() {
+fn the_panel_regains_its_width_in_a_wider_window() {
     let mut hand = Hand::new(preset("fire").unwrap());
     let resize = |hand: &mut Hand, width: f32| {
         hand.0.set_size(egui::vec2(width, 800.0));
@@ -495,7 +495,7 @@ fn presets_files_and_commands() {
 }
 
 #[test]
-fn m52_what_is_typed_is_compiled_and_declared_parameters_become_sliders() {
+fn m52_typed_modules_compile_and_parameters_get_sliders() {
     let mut hand = Hand::new(preset("fur").unwrap());
     hand.click("author");
     let old = hand.0.state_mut().document.author.text.clone();

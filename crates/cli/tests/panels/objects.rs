@@ -43,7 +43,7 @@ fn a_hidden_object_is_left_out_and_comes_back() {
 }
 
 #[test]
-fn an_object_keeps_formula_parameters_and_keyframes_under_another_name() {
+fn a_renamed_object_keeps_formula_parameters_and_keys() {
     let mut hand = three();
     hand.click("object b");
     hand.model().edit("parameters", |scene| {

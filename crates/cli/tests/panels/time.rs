@@ -42,7 +42,7 @@ fn the_timeline_plays_scrubs_and_repeats_by_mouse_and_keys() {
 }
 
 #[test]
-fn the_object_is_looked_at_from_its_sides_and_from_views_that_were_kept() {
+fn the_view_menu_has_sides_and_saved_views() {
     let folder = tempfile::tempdir().unwrap();
     let mut hand = Hand::new(preset("fur").unwrap());
     let cache = Some(folder.path().to_path_buf());

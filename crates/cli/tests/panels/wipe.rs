@@ -58,7 +58,7 @@ fn the_line_of_the_wipe_is_moved_by_mouse_and_keys() {
 }
 
 #[test]
-fn the_difference_has_a_gain_and_its_rms_is_that_of_equal_pictures_only() {
+fn the_difference_has_a_gain_and_an_rms_for_equal_sizes() {
     let mut harness = harness();
     assert!(harness.query_by_label("compare.gain").is_none());
     act(&mut harness, "compare.difference", Action::Click, None);

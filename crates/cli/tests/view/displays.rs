@@ -60,7 +60,7 @@ fn a_server_without_an_extension_that_windows_need_is_one_line() {
 
 #[test]
 #[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
-fn without_descriptions_of_keyboards_one_line_names_their_package() {
+fn missing_keyboard_files_name_their_package_in_one_line() {
     let (display, folder) = (Display::own(), tempfile::tempdir().unwrap());
     let root = folder.path().join("missing");
     let environment = ["XKB_CONFIG_ROOT", "XKB_CONFIG_EXTRA_PATH", "XDG_CONFIG_HOME", "HOME"];

@@ -90,7 +90,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
 
 #[test]
 #[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
-fn letters_are_written_after_every_kind_of_click_and_a_slider_stays_where_it_is_let_go() {
+fn typing_follows_clicks_and_sliders_keep_their_value() {
     let display = Display::own();
     let root = tempfile::tempdir().unwrap();
     let [cache, folder] = ["cache", "folder"].map(|name| root.path().join(name));

@@ -190,7 +190,7 @@ fn two_objects_that_are_compared_are_loaded_one_after_the_other() {
 
 #[test]
 #[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
-fn a_window_is_as_large_as_the_screen_at_most_and_no_side_is_absurd() {
+fn window_sizes_are_limited_to_the_screen() {
     let display = Display::new();
     for absurd in ["100000x100000", "0x200", "20000x20"] {
         let output = view(&display, &["torus", "--window", absurd, "--frames", "1"]);
@@ -204,7 +204,7 @@ fn a_window_is_as_large_as_the_screen_at_most_and_no_side_is_absurd() {
 
 #[test]
 #[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
-fn a_dropped_picture_is_the_scene_that_it_shows_and_panels_hide_by_a_key() {
+fn a_dropped_picture_opens_its_scene_and_a_key_hides_panels() {
     let display = Display::new();
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).display().to_string();
@@ -223,7 +223,7 @@ fn a_dropped_picture_is_the_scene_that_it_shows_and_panels_hide_by_a_key() {
 
 #[test]
 #[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
-fn m52_a_broken_module_leaves_the_picture_and_a_mended_one_changes_it() {
+fn m52_the_picture_stays_until_a_module_compiles() {
     let display = Display::new();
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).display().to_string();
@@ -262,7 +262,7 @@ fn m52_a_broken_module_leaves_the_picture_and_a_mended_one_changes_it() {
 
 #[test]
 #[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
-fn n0_10_a_loop_that_is_too_long_never_meets_the_device_of_the_window() {
+fn n0_10_long_loops_never_reach_the_device_of_the_window() {
     let display = Display::new();
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).display().to_string();
@@ -294,7 +294,7 @@ fn n0_10_a_loop_that_is_too_long_never_meets_the_device_of_the_window() {
 
 #[test]
 #[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
-fn a_dropped_mesh_and_a_scan_are_drawn_and_a_turn_around_the_mesh_recorded() {
+fn dropped_meshes_and_scans_are_drawn_and_recorded() {
     let display = Display::new();
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).display().to_string();
@@ -338,7 +338,7 @@ fn a_dropped_mesh_and_a_scan_are_drawn_and_a_turn_around_the_mesh_recorded() {
 
 #[test]
 #[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
-fn a_display_of_twice_the_dots_changes_no_control_and_no_picture() {
+fn a_scale_of_two_changes_no_control_and_no_picture() {
     let display = Display::new();
     let folder = tempfile::tempdir().unwrap();
     let [script, shot, rendered] = ["script", "shot.png", "rendered.png"].map(|name| folder.path().join(name));
@@ -365,7 +365,7 @@ fn orbits(said: &str) -> Vec<(String, u32)> {
 
 #[test]
 #[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
-fn b4_every_move_of_the_hand_is_answered_by_a_picture_of_every_preset() {
+fn b4_every_move_gives_a_picture_in_every_preset() {
     let display = Display::new();
     let folder = tempfile::tempdir().unwrap();
     let names: Vec<&str> = scene::names().collect();
@@ -384,7 +384,7 @@ fn b4_every_move_of_the_hand_is_answered_by_a_picture_of_every_preset() {
 
 #[test]
 #[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
-fn b3_a_panel_that_opens_and_a_line_that_is_said_go_on_from_the_picture_there_is() {
+fn b3_panels_and_messages_keep_the_refined_picture() {
     let display = Display::new();
     let folder = tempfile::tempdir().unwrap();
     let shot = folder.path().join("shot.png");
@@ -450,7 +450,7 @@ fn a_picture_that_stands_still_gets_as_good_as_was_asked_for() {
 
 #[test]
 #[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
-fn pixels_that_are_not_to_be_trusted_are_shown_until_the_scene_changes_and_again_behind_that() {
+fn warning_pixels_reset_with_the_scene() {
     let display = Display::new();
     let folder = tempfile::tempdir().unwrap();
     let arguments = ["torus", "--samples", "16", "--window", "560x240", "--max-error", "0.02"];
@@ -461,7 +461,7 @@ fn pixels_that_are_not_to_be_trusted_are_shown_until_the_scene_changes_and_again
 
 #[test]
 #[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
-fn two_variants_are_wiped_a_pixel_is_inspected_and_the_picture_is_that_of_the_time_and_side_that_was_chosen() {
+fn wipe_inspect_and_save_at_a_time_and_a_side() {
     let display = Display::new();
     let folder = tempfile::tempdir().unwrap();
     let (shot, rendered) = (folder.path().join("shot.png"), folder.path().join("rendered.png"));
@@ -537,7 +537,7 @@ fn clipboard(display: &Display) -> Option<String> {
 
 #[test]
 #[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
-fn a_signal_keeps_what_is_not_saved_and_the_next_window_offers_it_and_the_clipboard_is_that_of_the_system() {
+fn a_signal_saves_the_draft_and_the_clipboard_is_shared() {
     let display = Display::own();
     for signal in ["-TERM", "-INT", "-HUP"] {
         let folder = tempfile::tempdir().unwrap();

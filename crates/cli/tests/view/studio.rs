@@ -8,7 +8,7 @@ use std::path::Path;
 
 #[test]
 #[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
-fn a_lesson_measures_turbulence_and_leaves_a_scene_that_can_be_saved() {
+fn a_lesson_measures_turbulence_and_its_scene_is_saved() {
     let display = Display::new();
     let folder = tempfile::tempdir().unwrap();
     let saved = folder.path().join("lesson.toml");
@@ -69,7 +69,7 @@ fn menus_do_what_keys_do_and_a_scene_leaves_as_mesh_and_volume() {
 
 #[test]
 #[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
-fn a_stroke_is_painted_and_undone_as_one_step_and_saved_beside_the_scene() {
+fn a_stroke_is_one_undo_step_saved_beside_the_scene() {
     let (display, folder) = (Display::new(), tempfile::tempdir().unwrap());
     let file = folder.path().join("cut.toml");
     let script = format!(

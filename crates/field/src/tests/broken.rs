@@ -122,7 +122,7 @@ fn any_soup_of_triangles_gives_a_continuous_field() {
 }
 
 #[test]
-fn triangles_that_are_there_twice_count_once_and_a_surface_with_two_sides_encloses_nothing() {
+fn double_triangles_count_once_and_two_sides_enclose_nothing() {
     let ball = icosphere(Vec3::ZERO, 1.0, 3);
     let (expected, _) = field_of(&ball, 32, 0.3, 0.4);
     for (share, turned) in [(3, false), (3, true), (1, false), (1, true)] {
@@ -140,7 +140,7 @@ fn triangles_that_are_there_twice_count_once_and_a_surface_with_two_sides_enclos
 }
 
 #[test]
-fn a_tangle_is_measured_right_outside_and_the_work_on_its_inside_ends() {
+fn a_tangle_is_exact_outside_and_its_inside_ends() {
     let mut random = SplitMix(7);
     for (count, is_tangled) in [(12, false), (600, true)] {
         let mut place = || Vec3::from_array([0; 3].map(|_| random.unit() as f32));

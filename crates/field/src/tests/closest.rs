@@ -78,7 +78,7 @@ fn p55_asking_for_closest_points_changes_no_distance() {
 }
 
 #[test]
-fn p55_a_scalar_volume_has_the_closest_points_of_its_iso_surface() {
+fn p55_a_scalar_volume_has_closest_points_on_its_surface() {
     let (size, spacing) = ([33; 3], Vec3::splat(2.4 / 32.0));
     let grid = Grid { size, origin: Vec3::splat(-1.2), spacing };
     let values = (0..33u32.pow(3)).map(|i| 1.0 - grid.position(i % 33, i / 33 % 33, i / 33 / 33).length()).collect();
@@ -96,7 +96,7 @@ fn p55_a_scalar_volume_has_the_closest_points_of_its_iso_surface() {
 }
 
 #[test]
-fn p55_a_foreign_distance_field_has_closest_points_made_of_its_gradients() {
+fn p55_closest_points_of_foreign_fields_use_gradients() {
     let (size, spacing) = ([41, 33, 47], Vec3::new(0.07, 0.08, 0.06));
     let grid = Grid { size, origin: -0.5 * spacing * Vec3::new(40.0, 32.0, 46.0), spacing };
     for (name, solid, bounds) in [

@@ -34,7 +34,7 @@ fn errors(volume: Volume, resolution: u32, radius: f32) -> (f64, f64) {
 }
 
 #[test]
-fn a_smooth_sphere_of_64_samples_is_found_to_a_fiftieth_of_a_voxel() {
+fn a_sphere_of_64_samples_is_exact_to_a_fiftieth_of_a_voxel() {
     let (rms, worst) = errors(ball([64; 3], Vec3::splat(1.0), 23.0), 64, 23.0);
     println!("RMS {rms:.4}, worst {worst:.4} voxels");
     assert!(rms < 0.02 && worst < 0.05, "{rms} {worst}");

@@ -304,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn both_filters_are_tried_where_the_program_looks_up_between_texels() {
+    fn both_filters_are_candidates_of_interpolating_programs() {
         let sweep = Sweep { samples: Some(vec![16]), filters: true, ..Sweep::default() };
         let exact = |candidates: &[Candidate]| {
             let exact = candidates.iter().filter(|candidate| candidate.curve().filter == Filter::Exact);

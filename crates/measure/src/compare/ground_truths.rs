@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pattern_is_named_by_what_it_is_made_of_and_where_it_repeats() {
+    fn patterns_are_named_by_their_noise_and_period() {
         let library = shader::shipped();
         let named = |effect: &str, turbulence: &str| {
             let mut scene = preset(effect).unwrap();
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn the_error_of_a_truth_is_told_without_and_with_what_is_left_open() {
+    fn the_bound_of_a_truth_adds_open_error_to_its_estimate() {
         let reference =
             Reference { size: [2, 1], pixels: vec![[0.0; 4]; 2], estimate: vec![0.3, 0.4], open: vec![0.0, 0.9] };
         let truth = GroundTruth { pattern: String::new(), is_own: true, reference: reference.into() };

@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn one_bad_pixel_shows_in_the_largest_error_and_hardly_in_the_mean() {
+    fn one_bad_pixel_raises_the_largest_error_not_the_mean() {
         let truth = reference([40, 40], |_| [0.0, 0.0, 0.0, 1.0]);
         let mut pixels = single(&truth.pixels);
         pixels[77] = [1.0, 0.0, 0.0, 1.0];

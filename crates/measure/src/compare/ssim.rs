@@ -72,7 +72,7 @@ mod tests {
     }
 
     #[test]
-    fn a_negative_has_the_similarity_that_the_formula_gives_for_opposite_variation() {
+    fn a_negative_has_the_similarity_of_its_formula() {
         // Along x a wave of four pixels, whose Gaussian mean at any pixel is close to 1/2: covariance = -variance.
         let wave: Vec<f64> = (0..64 * 8).map(|i| 0.5 + 0.4 * f64::from(i % 64 % 2 * 2 - 1)).collect();
         let negative: Vec<f64> = wave.iter().map(|value| 1.0 - value).collect();

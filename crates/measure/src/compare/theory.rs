@@ -83,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn points_are_of_second_order_in_smooth_matter_and_of_first_where_a_step_cuts_something_hard() {
+    fn points_have_order_2_in_smooth_matter_and_1_at_hard_edges() {
         assert_eq!(order("flow", |_| ()), Some([2.0; 2]), "soft throughout");
         assert_eq!(order("flow", |scene| scene.object.inner_iso = 0.0), Some([1.0; 2]), "a core");
         assert_eq!(order("flow", |scene| scene.camera.clip = Some([0.0, 0.0, 1.0, 0.0])), Some([1.0; 2]));
@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn segments_are_of_second_order_and_a_located_surface_is_of_third() {
+    fn segments_have_order_2_and_located_surfaces_3() {
         assert_eq!(order("fire", segments), Some([2.0; 2]));
         assert_eq!(order("fire", |scene| scene.effect.gradient = "three".into()), Some([1.0; 2]));
         assert_eq!(order("lit", |_| ()), Some([1.0, 3.0]));

@@ -297,7 +297,7 @@ mod tests {
     }
 
     #[test]
-    fn another_device_may_place_few_pixels_on_the_other_side_of_an_edge() {
+    fn few_edge_pixels_may_differ_on_another_device() {
         let encoding = Encoding::Codes(255);
         let half = |x: usize| if x < 32 { [0.0, 0.0, 0.0, 1.0] } else { [1.0; 4] };
         let linear: Vec<[f32; 4]> = (0..4096).map(|i| half(i % 64)).collect();

@@ -159,7 +159,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_ray_is_given_up_where_those_around_it_or_nearest_to_it_were_vain() {
+    fn rays_beside_failed_rays_are_given_up() {
         let known = HashMap::from([([4, 4], true), ([8, 4], true), ([100, 4], false), ([4, 40], true)]);
         assert!(is_vain_at([5, 5], &known), "two corners of its cell are known");
         assert!(!is_vain_at([101, 6], &known), "one corner, which was proven");

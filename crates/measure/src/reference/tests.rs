@@ -196,7 +196,7 @@ fn random_scenes_are_no_worse_than_they_say() {
 }
 
 #[test]
-fn p24_matter_is_where_rays_and_slices_look_and_a_leap_passes_none() {
+fn p24_rays_and_slices_reach_all_matter_and_leaps_skip_none() {
     let library = shader::shipped();
     let single = ["fire_ball", "flow", "fractal_sphere", "dripping_sphere", "high_amplitude_sphere", "woven", "clouds"];
     let mut scenes: Vec<Scene> = single.iter().map(|name| preset(name).unwrap()).collect();

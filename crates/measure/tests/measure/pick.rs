@@ -75,7 +75,7 @@ fn no_pick_breaks_its_bound_on_random_scenes() {
 }
 
 #[test]
-fn the_reference_of_picks_sees_noise_that_is_finer_than_its_pieces() {
+fn the_reference_of_picks_resolves_noise_below_its_pieces() {
     let mut random = SplitMix(33);
     let scenes = (0..156).map(|_| (random_scene(&mut random), within(&mut random, -2.7, -1.0)));
     let mut scene = scenes.last().expect("156 scenes").0;
@@ -95,7 +95,7 @@ fn the_reference_of_picks_sees_noise_that_is_finer_than_its_pieces() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn a_smaller_bound_is_no_cheaper_and_an_impossible_one_says_what_is_nearest() {
+fn a_smaller_bound_is_never_cheaper_and_failures_name_nearest() {
     with_gpu(|gpu| {
         let library = shader::shipped();
         let mut scene = preset("noisy_sphere").unwrap();

@@ -33,7 +33,7 @@ fn every_case_holds_on_this_device_in_both_passes() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn a_wrong_formula_a_wrong_bound_and_a_wrong_order_are_found_and_named() {
+fn wrong_formulas_bounds_and_orders_are_named() {
     let soft = SOFT_BALLS[0];
     let planted = |name, case: AnalyticCase| {
         let measure = Measure::Analytic(Box::leak(Box::new([case])));
@@ -79,7 +79,7 @@ fn a_slab_across_a_view_of_90_degrees_has_the_path_of_every_ray() {
 }
 
 #[test]
-fn the_table_shows_both_projections_of_every_picture_but_the_wide_one() {
+fn the_table_shows_both_projections_except_for_the_wide_one() {
     for case in suite(Suite::Verify) {
         if let Measure::Analytic(cases) = case.measure {
             let of = |projection| cases.iter().filter(|case| case.projection == projection).count();

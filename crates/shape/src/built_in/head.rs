@@ -270,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn the_surface_at_one_half_is_where_the_parts_say_and_nothing_touches_the_border() {
+    fn the_head_surface_follows_its_parts_inside_the_border() {
         let head = head();
         let [nx, ny, nz] = head.size.map(|n| n as usize);
         let value = |x: usize, y: usize, z: usize| head.values[(z * ny + y) * nx + x];

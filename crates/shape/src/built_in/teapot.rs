@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn no_triangle_of_the_teapot_is_farther_from_its_patch_than_a_field_can_tell() {
+    fn teapot_triangles_lie_within_field_precision_of_patches() {
         // A voxel of the default resolution, 192, with the least margin around the object, in Newell's units.
         let voxel = 2.5 / 191.0 * f64::from(HALF_LENGTH);
         let worst_of = |cells: usize| {

@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn a_touch_changes_its_channels_by_its_fall_off_and_nothing_beyond_its_radius() {
+    fn a_touch_changes_channels_by_its_fall_off_within_a_radius() {
         let before = [0.5, 1.5, 0.75, 1.0, 1.25, 0.25, 0.0, -0.5];
         let wanted: [(BrushKind, [f32; 8]); 7] = [
             (BrushKind::Comb, [0.5, 1.5, 0.75, 1.0, 1.25, 0.0, 0.0, 1.0]),

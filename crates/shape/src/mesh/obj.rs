@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn an_index_out_of_range_names_its_line_and_the_number_of_vertices() {
+    fn an_index_out_of_range_names_line_and_vertex_count() {
         for (face, wrong) in [("f 1 2 4", 4), ("f 0 1 2", 0), ("f -4 1 2", -4), ("f 1 2 9223372036854775807", i64::MAX)]
         {
             let error = error(format!("{TRIANGLE}{face}").as_bytes());
@@ -281,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn a_concave_face_is_read_up_to_its_limit_and_a_convex_one_beyond() {
+    fn concave_faces_have_a_corner_limit_and_convex_ones_do_not() {
         let wheel = |n: usize, inner: f64| {
             let corner = |i: usize| {
                 let (sin, cos) = (i as f64 * std::f64::consts::TAU / n as f64).sin_cos();

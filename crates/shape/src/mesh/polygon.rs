@@ -86,7 +86,7 @@ mod tests {
     const ARROW: [[f64; 2]; 4] = [[0.0, 0.0], [2.0, 1.0], [0.0, 2.0], [1.0, 1.0]];
 
     #[test]
-    fn a_concave_polygon_is_covered_once_in_every_plane_and_direction() {
+    fn concave_polygons_are_covered_once_in_every_direction() {
         let planes: [fn([f64; 2]) -> DVec3; 3] =
             [|[u, v]| DVec3::new(u, v, 5.0), |[u, v]| DVec3::new(5.0, u, v), |[u, v]| DVec3::new(v, 5.0, u)];
         for plane in planes {
@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn a_copy_of_a_convex_polygon_is_divided_alike_from_any_corner_and_turned_over() {
+    fn copies_of_a_convex_polygon_have_equal_triangles() {
         let positions = [DVec3::X, DVec3::Y, DVec3::ZERO, DVec3::X + DVec3::Y];
         let divided = |polygon: &[u32]| {
             let mut triangles = Vec::new();

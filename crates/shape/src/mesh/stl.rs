@@ -301,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn more_triangles_declared_than_present_are_refused_before_allocation() {
+    fn excess_declared_triangles_are_refused_before_allocation() {
         let mut bytes = binary_square(b"solid \0");
         bytes[80..84].copy_from_slice(&u32::MAX.to_le_bytes());
         assert!(matches!(error(&bytes), ShapeError::DataSize { declared: 214_748_364_750, .. }));

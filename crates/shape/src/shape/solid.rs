@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn p55_the_closest_point_is_on_the_surface_and_as_far_as_the_distance_says() {
+    fn p55_the_closest_point_is_on_the_surface_at_the_distance() {
         let places = [[1.3, 0.4, -0.2], [0.71, 0.2, 0.11], [-0.3, -0.55, 0.2], [1.5, -1.4, 1.2], [0.0; 3]];
         for (solid, p) in SOLIDS.iter().flat_map(|solid| places.map(|p| (solid, Vec3::from(p)))) {
             let closest = solid.closest(p);

@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn a_grid_that_is_turned_and_sheared_has_the_same_values_in_the_world() {
+    fn turned_and_sheared_grids_keep_their_values_in_the_world() {
         // A linear function is linear along every axis.
         let f = |p: Vec3| 1.0 + 2.0 * p.x - 3.0 * p.y + 0.5 * p.z;
         for turn in [
@@ -192,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn a_grid_is_aligned_where_its_axes_are_those_of_the_world_and_run_forwards() {
+    fn a_grid_is_aligned_with_forward_world_axes() {
         let of = |steps| Volume { steps, ..trilinear().0 }.is_aligned();
         assert!(of(Mat3::IDENTITY) && of(Mat3::from_diagonal(Vec3::new(1e-30, 2.0, 1e18))));
         assert!(!of(Mat3::from_diagonal(Vec3::new(1.0, -1.0, 1.0))) && !of(Mat3::from_rotation_z(1e-6)));

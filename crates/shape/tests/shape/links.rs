@@ -19,7 +19,7 @@ const HEADERS: [(&str, &str); 3] = [
 ];
 
 #[test]
-fn a_link_to_data_is_followed_within_the_folder_and_nowhere_else() {
+fn links_to_data_are_followed_within_the_folder_only() {
     let corners = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0f32].map(f32::to_le_bytes);
     // Targets of `deep` and `deep/data`, relative to their folders; an empty one means a plain folder or file.
     for (folder, data, is_within) in [

@@ -122,7 +122,7 @@ fn turned(directions: &str) -> Volume {
 }
 
 #[test]
-fn an_oblique_grid_stands_as_its_directions_say_one_behind_the_other() {
+fn an_oblique_grid_follows_its_directions() {
     // 0.6 0.8 0 is where the first axis goes: sample (1, 2, 1) is 0.5 of it, 2 of the second and 2 of the third away.
     let read = turned("0.6 0.8 0 -0.8 0.6 0 0 0 1");
     let columns = [Vec3::new(0.3, 0.4, 0.0), Vec3::new(-0.8, 0.6, 0.0), Vec3::new(0.0, 0.0, 2.0)];
@@ -143,7 +143,7 @@ fn an_oblique_grid_stands_as_its_directions_say_one_behind_the_other() {
 }
 
 #[test]
-fn exchanged_axes_are_put_in_order_and_what_rounding_left_of_a_quarter_turn_is_none() {
+fn exchanged_axes_are_ordered_despite_rounding() {
     for directions in ["0 1 0 0 0 -1 1 0 0", "6.1e-17 1 0 0 -6.1e-17 -1 1 6.1e-17 3e-9"] {
         let read = turned(directions);
         assert_eq!((read.size, read.spacing(), read.is_aligned()), ([3, 4, 5], Vec3::new(2.0, 0.5, 1.0), true));
@@ -158,7 +158,7 @@ fn exchanged_axes_are_put_in_order_and_what_rounding_left_of_a_quarter_turn_is_n
 }
 
 #[test]
-fn signed_distances_are_known_by_a_comment_and_stand_along_the_axes() {
+fn a_comment_marks_signed_distances_along_the_axes() {
     let marked = HEADER.replace("NDims", "Comment = hypertexture signed distance\nNDims");
     let read = volume(read("test.mha", &[marked.as_bytes(), &data(1, false)].concat()));
     assert_eq!(read.content, Content::SignedDistance);
@@ -199,7 +199,7 @@ fn a_file_for_each_slice_is_read_in_order() {
 }
 
 #[test]
-fn what_a_header_size_says_of_its_own_file_counts_from_its_start() {
+fn a_header_size_counts_from_the_start_of_its_file() {
     for size in [400, 401, -1] {
         let header = HEADER.replace("NDims", &format!("HeaderSize = {size}\nNDims"));
         let end = if size < 0 { 500 } else { size as usize };

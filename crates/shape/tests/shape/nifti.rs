@@ -143,7 +143,7 @@ fn sform(rows: [[f64; 4]; 3]) -> Vec<Field> {
 }
 
 #[test]
-fn every_type_order_version_and_packing_gives_the_values_in_their_place() {
+fn types_orders_versions_and_packings_give_the_same_values() {
     /// Code, encoder of numbers from 0 to 59 in little endian, and their values.
     type Type = (i16, fn(f32) -> Vec<u8>, fn(f32) -> f32);
     const TYPES: [Type; 10] = [
@@ -183,7 +183,7 @@ fn every_type_order_version_and_packing_gives_the_values_in_their_place() {
 }
 
 #[test]
-fn values_are_scaled_before_they_are_rounded_and_a_slope_of_zero_does_nothing() {
+fn values_are_scaled_before_rounding_and_slope_0_is_ignored() {
     for order in ORDERS {
         let scaled = |slope: f64, intercept: f64| {
             volume("a.nii", &order.file(&[Slope(slope), Intercept(intercept)], &data())).values[59]
@@ -225,7 +225,7 @@ fn the_sform_comes_before_the_qform_and_that_before_distances() {
 }
 
 #[test]
-fn a_half_turn_of_the_qform_is_one_although_its_numbers_are_rounded() {
+fn a_half_turn_of_a_rounded_qform_is_exact() {
     // Around an axis in the plane of x and y: rounded to f32, the squares of its parts are less than 1 together.
     let (x, y) = (0.6f64, 0.8f64);
     let fields = [Qform(1), Quatern(0, x), Quatern(1, y), Pixdim(1, 1.0), Pixdim(2, 1.0), Pixdim(3, 1.0)];
@@ -236,7 +236,7 @@ fn a_half_turn_of_the_qform_is_one_although_its_numbers_are_rounded() {
 }
 
 #[test]
-fn extensions_and_further_dimensions_of_one_sample_are_read_over() {
+fn extensions_and_dimensions_of_size_1_are_skipped() {
     for order in ORDERS {
         let mut plain = order.file(&[Dim(0, 5), Dim(4, 1), Dim(5, 1), Dim(6, 9)], &[]);
         let length = plain.len();
@@ -371,7 +371,7 @@ fn what_is_wrong_is_said_with_its_place() {
 }
 
 #[test]
-fn no_header_that_is_cut_and_no_changed_byte_makes_more_than_a_line() {
+fn damaged_headers_give_one_line() {
     for order in ORDERS {
         let whole = order.file(&sform([[1.0, 0.1, 0.0, 3.0], [0.0, 1.0, 0.2, 4.0], [0.0, 0.0, 1.0, 5.0]]), &data());
         for length in 1..whole.len() {

@@ -138,7 +138,7 @@ fn spacings_axis_mins_and_directions_place_the_samples() {
 }
 
 #[test]
-fn an_axis_that_runs_backwards_is_turned_and_every_sample_stays_in_its_place() {
+fn a_backward_axis_is_turned_and_samples_keep_their_places() {
     let mirrored = volume(&small("space directions: (-0.5,0,0) (0,-2,0) (0,0,-3)\nspace origin: (4,5,-6)"));
     assert_eq!((mirrored.origin, mirrored.spacing()), (Vec3::new(3.0, 3.0, -6.0), Vec3::new(0.5, 2.0, 3.0)));
     assert_eq!(mirrored.values, [5.0, 4.0, 3.0, 2.0, 1.0, 0.0]);
@@ -146,7 +146,7 @@ fn an_axis_that_runs_backwards_is_turned_and_every_sample_stays_in_its_place() {
 }
 
 #[test]
-fn oblique_grids_stand_as_their_directions_say_and_exchanged_axes_are_put_in_order() {
+fn oblique_grids_follow_directions_and_axes_are_ordered() {
     let oblique = volume(&small("space directions: (0.3,0.4,0) (-0.8,0.6,0) (0.5,0,-2)\nspace origin: (4,5,-6)"));
     let columns = [Vec3::new(0.3, 0.4, 0.0), Vec3::new(-0.8, 0.6, 0.0), Vec3::new(0.5, 0.0, -2.0)];
     assert_eq!((oblique.origin, oblique.size), (Vec3::new(4.0, 5.0, -6.0), [3, 2, 1]));
@@ -161,7 +161,7 @@ fn oblique_grids_stand_as_their_directions_say_and_exchanged_axes_are_put_in_ord
 }
 
 #[test]
-fn lines_and_bytes_before_the_data_are_skipped_and_packed_ones_are_unpacked_first() {
+fn line_and_byte_skips_apply_after_unpacking() {
     let with = |extra: &str, encoding: &str, data: &[u8]| {
         let header = format!("type: uchar\nsizes: 3 2 1\nencoding: {encoding}\n{extra}");
         volume(&file(&header, data)).values
@@ -189,7 +189,7 @@ fn lines_and_bytes_before_the_data_are_skipped_and_packed_ones_are_unpacked_firs
 }
 
 #[test]
-fn numbers_as_text_are_those_of_their_type_and_as_many_as_declared() {
+fn text_numbers_fit_their_type_and_declared_count() {
     for (kind, text, said) in [
         ("uchar", "0 1 2 3 4", "expected as many numbers as the header says, found 5 of 6, and the end of the file"),
         ("uchar", "", "found 0 of 6, and the end of the file"),
@@ -270,7 +270,7 @@ fn data_in_several_files_is_read_in_order() {
 }
 
 #[test]
-fn what_bzip2_packed_stops_at_the_declared_size_and_damage_is_told() {
+fn bzip2_data_stops_at_the_declared_size_or_reports_damage() {
     let header = "type: uchar\nsizes: 100 10 10\nencoding: bzip2";
     let values: Vec<u8> = (0..10_000_u32).map(|i| ((i * i) >> 7) as u8).collect();
     let good = bzip2(&values);
@@ -367,7 +367,7 @@ fn an_axis_without_samples_is_refused() {
 }
 
 #[test]
-fn sizes_whose_product_overflows_or_passes_the_budget_are_refused() {
+fn sizes_above_the_budget_are_refused_without_overflow() {
     for sizes in ["4294967296 4294967296 4294967296", "2048 2048 513", "18446744073709551615 1 1"] {
         let error = error(&file(&format!("type: uchar\nsizes: {sizes}\nencoding: raw"), &[]));
         assert!(matches!(error, ShapeError::TooLarge { limit: 0x8000_0000, .. }), "{error}");
@@ -375,7 +375,7 @@ fn sizes_whose_product_overflows_or_passes_the_budget_are_refused() {
 }
 
 #[test]
-fn raw_data_that_is_shorter_than_declared_is_refused_and_longer_is_read_with_a_line() {
+fn short_raw_data_is_refused_and_long_data_noted() {
     let whole = small("");
     let start = whole.len() as u64 - 6;
     for len in [whole.len() - 6, whole.len() - 1] {
@@ -391,7 +391,7 @@ fn raw_data_that_is_shorter_than_declared_is_refused_and_longer_is_read_with_a_l
 }
 
 #[test]
-fn compressed_data_that_cannot_hold_the_declared_size_is_refused_before_it_is_read() {
+fn too_little_compressed_data_is_refused_before_reading() {
     let error = error(&file("type: uchar\nsizes: 1000 1000 1000\nencoding: gzip", &gzip(&[0; 1000])));
     assert!(matches!(error, ShapeError::DataSize { declared: 1_000_000_000, found: Found::AtMost(_), .. }), "{error}");
 }

@@ -121,7 +121,7 @@ fn axes_of_one_sample_are_left_out_until_three_are_left() {
 }
 
 #[test]
-fn distances_that_say_nothing_are_1_and_those_below_0_run_backwards() {
+fn unknown_spacings_are_1_and_negative_ones_run_backwards() {
     let (found, note) =
         volume("a.nrrd", &nrrd(&format!("{NRRD}\nencoding: raw\nspacings: NaN 2 nan\naxis mins: NaN 1 0"), &data()));
     assert_eq!((found.spacing(), found.origin), (Vec3::new(1.0, 2.0, 1.0), Vec3::new(0.0, 1.0, 0.0)));
@@ -194,7 +194,7 @@ fn hexadecimal_digits_are_bytes() {
 }
 
 #[test]
-fn zeros_behind_packed_data_are_left_out_and_other_bytes_are_damage() {
+fn zeros_after_packed_data_are_ignored_other_bytes_refused() {
     let whole = nifti(352.0, &[], &data());
     type Make = Box<dyn Fn(&[u8]) -> Vec<u8>>;
     let makes: [(&str, Make); 3] = [

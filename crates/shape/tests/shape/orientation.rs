@@ -145,7 +145,7 @@ fn assert_stands(found: Result<Shape, ShapeError>, what: &str) {
 }
 
 #[test]
-fn a_scan_stands_the_same_in_every_format_wherever_its_axes_point() {
+fn a_scan_has_the_same_orientation_in_every_format() {
     assert_eq!(ways().count(), 48);
     for way in ways() {
         let stored = stored(way);
@@ -165,7 +165,7 @@ fn a_scan_stands_the_same_in_every_format_wherever_its_axes_point() {
 }
 
 #[test]
-fn a_space_of_no_patient_is_the_world_a_left_handed_one_is_turned_and_another_one_is_refused() {
+fn spaces_of_headers_map_to_the_world_or_are_refused() {
     let stored = stored([(0, false), (1, false), (2, false)]);
     for name in ["scanner-xyz", "3D-right-handed", "3d-right-handed-time"] {
         assert_stands(read("a.nrrd", &nrrd(&stored, "RAS", name)), name);

@@ -147,7 +147,7 @@ fn a_large_picture_is_averaged() {
 }
 
 #[test]
-fn materials_of_obj_that_cannot_be_read_are_refused_with_their_place() {
+fn unreadable_obj_materials_are_refused_with_their_place() {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, bytes: &[u8]| fs::write(folder.path().join(name), bytes).unwrap();
     write("good.png", &picture());
@@ -293,7 +293,7 @@ fn a_gltf_has_the_texture_of_its_material() {
 }
 
 #[test]
-fn materials_of_gltf_that_cannot_be_read_are_refused_with_their_place() {
+fn unreadable_gltf_materials_are_refused_with_their_place() {
     let (folder, dds) = (tempfile::tempdir().unwrap(), STANDARD.encode(b"DDS |\0\0\0"));
     for (place, value, said) in [
         ("/images/0", json!({ "uri": "none.png" }), "there is no such file; copy it there, or correct its name"),

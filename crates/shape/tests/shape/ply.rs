@@ -162,7 +162,7 @@ fn what_is_wrong_is_said_with_its_place() {
 }
 
 #[test]
-fn faces_without_three_corners_and_what_is_behind_the_last_one_are_left_out_with_a_line() {
+fn degenerate_faces_and_trailing_data_are_noted_and_skipped() {
     for (encoding, name) in ENCODINGS {
         let good = cube(encoding, name, ["float", "uchar", "int"]);
         let header = b"element face 6";

@@ -110,7 +110,7 @@ fn a_layout_that_the_file_does_not_fit_to_is_refused() {
 }
 
 #[test]
-fn without_a_layout_the_flags_are_named_and_what_the_file_may_be() {
+fn a_missing_layout_names_flags_and_likely_sizes() {
     let remedy = "without a layout{}; `hypertexture convert` reads it with --dims X,Y,Z --type uint16 (uint8, int8, uint16, int16, uint32, int32, uint64, int64, float32 or float64)";
     for (bytes, guess) in [
         (16 * 16 * 16, " (16 x 16 x 16 of uint8?)"),

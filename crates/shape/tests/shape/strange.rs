@@ -93,7 +93,7 @@ fn lines_end_as_on_any_system() {
 }
 
 #[test]
-fn comments_and_names_end_with_their_line_and_numbers_go_on_behind_a_backslash() {
+fn a_backslash_continues_numbers_not_comments_or_names() {
     for before in ["# C:\\parts\\", "g C:\\parts\\", "mtllib C:\\parts\\", "usemtl a\\ ", "o a \\", "v 0 0 0 # \\"] {
         assert_eq!(volume(&cuboid("f").replacen("f 1 3", &format!("{before}\nf 1 3"), 1)), 1.0, "{before}");
     }

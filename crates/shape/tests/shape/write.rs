@@ -112,7 +112,7 @@ fn a_qform_is_written_where_it_says_what_the_sform_says() {
 }
 
 #[test]
-fn an_array_of_numpy_has_its_header_and_the_values_with_z_slowest() {
+fn a_numpy_array_has_its_header_and_z_slowest() {
     let volume = volume([3, 4, 5], Mat3::IDENTITY, Content::Scalar);
     let bytes = written(VolumeFormat::Npy, &volume);
     assert_eq!(bytes[..8], *b"\x93NUMPY\x01\0");

@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn the_window_waits_for_a_preview_that_is_coming_and_not_for_long() {
+    fn the_window_waits_briefly_for_a_preview() {
         let mut app = app();
         let (mut scene, library) = (preset("lit").unwrap(), Arc::new(shipped()));
         scene.object.input = "cube".into();
@@ -276,7 +276,7 @@ mod tests {
     }
 
     #[test]
-    fn while_a_field_is_computed_edits_are_drawn_with_the_one_before_and_no_picture_is_final() {
+    fn edits_use_the_last_field_while_the_next_one_is_computed() {
         let mut app = app();
         app.document.model.edit("object", |scene| {
             *scene = preset("fur").unwrap();
@@ -315,7 +315,7 @@ mod tests {
     }
 
     #[test]
-    fn while_an_iso_value_is_dragged_the_field_is_coarse_and_then_has_its_resolution() {
+    fn dragging_an_iso_value_uses_a_coarse_field() {
         let mut app = app();
         app.document.model.edit("object", |scene| (scene.object.input, scene.object.resolution) = ("knot".into(), 72));
         let mut side = |dragged: bool| {
@@ -336,7 +336,7 @@ mod tests {
     }
 
     #[test]
-    fn an_object_is_asked_for_anew_where_more_than_the_camera_has_changed() {
+    fn a_change_beyond_the_camera_requests_the_object_anew() {
         let before = preset("fur").unwrap();
         let mut now = before.clone();
         (now.camera.azimuth, now.camera.time, now.image.size) = (50.0, 2.0, [9, 7]);

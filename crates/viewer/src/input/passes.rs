@@ -33,7 +33,7 @@ mod tests {
     }
 
     #[test]
-    fn a_button_ends_a_pass_and_a_key_that_moves_the_focus_has_its_own_and_nothing_is_lost() {
+    fn buttons_and_focus_keys_end_passes_without_loss() {
         let [a, b, c] = [pos2(1.0, 0.0), pos2(2.0, 0.0), pos2(3.0, 0.0)];
         let key =
             |key| Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers: Modifiers::NONE };
@@ -52,7 +52,7 @@ mod tests {
     }
 
     #[test]
-    fn a_slider_stays_where_it_is_released_though_the_pointer_has_moved_on_in_the_same_frame() {
+    fn a_released_slider_ignores_later_moves_of_its_frame() {
         let context = egui::Context::default();
         let (mut value, mut place) = (0.0, egui::Rect::NOTHING);
         let mut frame = |events: Vec<Event>| {

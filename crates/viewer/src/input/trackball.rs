@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn a_level_orbit_keeps_the_vertical_axis_upright_and_starts_where_the_trackball_left() {
+    fn a_level_orbit_stays_upright_and_follows_the_trackball() {
         let mut random = SplitMix(5);
         let mut next = || 2.0 * random.unit() - 1.0;
         for _ in 0..200 {
@@ -171,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_under_the_pointer_stays_there_while_the_camera_comes_closer() {
+    fn zooming_keeps_the_point_under_the_pointer() {
         let camera = Camera { zoom: 1.5, pan: [0.2, -0.3], ..Camera::default() };
         let (half, at) = (1.8, [0.4, 0.7]);
         for factor in [0.5, 1.3, 4.0] {

@@ -73,7 +73,7 @@ fn plain(value: [f32; 4]) -> Frame {
 }
 
 #[test]
-fn a_pixel_has_its_value_its_reference_their_error_its_ray_and_its_modules() {
+fn a_pixel_shows_value_reference_error_ray_and_modules() {
     let mut harness = harness(job(|_| ()));
     harness.state_mut().0.take(&[plain([0.25, 0.5, 0.125, 0.75])], SIZE, Stage::Scene);
     harness.state_mut().0.look_at(Some([24, 16]));
@@ -131,7 +131,7 @@ fn a_pixel_says_how_much_of_it_each_module_made() {
 }
 
 #[test]
-fn a_search_is_given_up_by_hand_by_another_pixel_and_by_another_scene() {
+fn a_search_is_cancelled_by_hand_by_pixel_and_by_scene() {
     let mut harness = harness(job(|_| ()));
     let endless = |harness: &mut Harness<'static, (Inspector, Job)>, pixel: [u32; 2]| {
         let (inspector, job) = harness.state_mut();

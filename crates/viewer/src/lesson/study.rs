@@ -87,7 +87,7 @@ mod tests {
 
     /// Without its modules, the density along the central ray of a ball is that of its soft region, which falls to 0 outside.
     #[test]
-    fn samples_lie_on_planes_at_equal_distances_and_their_sum_is_the_integral() {
+    fn samples_are_equidistant_and_sum_to_the_integral() {
         let mut scene = preset("noisy_sphere").unwrap();
         (scene.quality.samples, scene.image.size) = (512, [101, 101]);
         (scene.effect.dmf, scene.effect.warp, scene.parameters) = Default::default();

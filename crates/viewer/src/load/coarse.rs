@@ -85,7 +85,7 @@ mod tests {
     use hypertexture::shape::Content;
 
     #[test]
-    fn the_means_of_a_slope_are_the_slope_in_the_middle_of_the_blocks() {
+    fn means_of_a_slope_are_its_values_at_block_centers() {
         let (size, origin) = ([150u32, 64, 65], Vec3::new(1.0, -2.0, 0.5));
         let slope = |at: Vec3| 3.0 * at.x - at.y + 0.5 * at.z;
         let steps = Mat3::from_diagonal(Vec3::new(0.1, 0.2, 0.3));

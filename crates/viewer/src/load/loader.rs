@@ -260,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn a_subject_is_loaded_once_and_serves_every_scene_of_its_object() {
+    fn a_subject_is_loaded_once_for_all_scenes_of_its_object() {
         let library = Arc::new(shader::shipped());
         let mut loader = Loader::default();
         let mut fur = scene::preset("fur").unwrap();
@@ -274,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn a_field_that_ends_too_early_stands_in_with_hair_that_ends_where_it_does() {
+    fn a_field_of_small_margin_stands_in_with_shorter_hair() {
         let library = Arc::new(shader::shipped());
         let mut loader = Loader::default();
         let mut fur = scene::preset("fur").unwrap();

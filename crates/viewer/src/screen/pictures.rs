@@ -313,7 +313,7 @@ mod tests {
     }
 
     #[test]
-    fn the_squares_are_those_of_the_screen_and_there_where_something_is_transparent() {
+    fn transparent_pictures_show_squares_of_whole_dots() {
         let place = Rect::from_min_max(pos2(100.0, 50.0), pos2(148.0, 80.0));
         let squares = |clear: bool, pixels_per_point: f32| {
             let mut screen = Screen::default();

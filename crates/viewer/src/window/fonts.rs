@@ -136,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn a_letter_that_no_font_has_is_said_once_and_one_that_egui_has_is_not_looked_for() {
+    fn missing_letters_are_reported_once() {
         // Linear A: no font that is usual has it.
         let (shown, fallback) = is_shown('\u{10600}');
         assert!(shown != fallback.complained);

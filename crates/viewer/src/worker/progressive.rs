@@ -250,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn b1_previews_come_to_their_budget_within_three_whatever_a_sample_costs_and_stay_there() {
+    fn b1_previews_reach_their_budget_within_three_and_keep_it() {
         let scene = scene();
         for cost in [1e-9, 1e-7, 2e-7, 1e-6, 3e-6, 1e-5, 3e-5] {
             let mut budget = Budget::new(MS, true);
@@ -283,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn b1_what_no_level_saves_makes_no_picture_coarser_than_it_must_be() {
+    fn b1_fixed_costs_do_not_coarsen_previews() {
         let scene = scene();
         let mut budget = Budget::new(MS, true);
         // A machine that is busy: each preview waits for a second, whatever is drawn.
@@ -299,7 +299,7 @@ mod tests {
     }
 
     #[test]
-    fn b1_shadows_and_blocks_of_noise_have_a_preview_level_of_their_own() {
+    fn b1_shadows_and_noise_blocks_have_own_preview_levels() {
         let mut scene = scene();
         (scene.quality.block_size, scene.light.shadow_resolution) = (256, 128);
         let shadows = |level: usize| Level(level).scene(&scene, true).light.shadow_resolution;

@@ -180,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn bars_reach_as_far_as_the_interval_and_the_doubt_and_are_left_out_where_the_mark_hides_them() {
+    fn error_bars_span_their_interval_and_hide_behind_marks() {
         let mut row = examples::report().comparison.rows[0].clone();
         let ((time, error), doubt) = (row.point(), row.truth.error());
         let [x, y] = [(time, 1.0 + 1e-3), (error, 1.0 + 1e-9)].map(|(value, factor)| Axis {

@@ -258,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn the_answer_is_the_fastest_within_the_bound_and_excludes_what_may_lose_more() {
+    fn the_answer_is_the_fastest_candidate_within_the_bound() {
         // Segments of 16 samples have an error of 1/256, points of 16 one of 1/16, at the same time.
         let mut report = examples::report();
         assert_eq!(within(&report, 0.01).0.unwrap(), "encoded 64³, march, segment, 16 samples");
@@ -290,7 +290,7 @@ mod tests {
     }
 
     #[test]
-    fn theory_stands_beside_observation_and_a_disagreement_is_marked() {
+    fn theory_beside_observation_marks_disagreement() {
         // Fire has a core; the errors of the example are 1 / samples by points, 1 / samples^2 by segments.
         let mut report = examples::report();
         let contradicts = |report: &Report, rule: &str| {

@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn a_report_is_written_whole_and_its_tables_have_a_row_for_each_candidate_and_run() {
+    fn report_tables_have_a_row_for_each_candidate_and_run() {
         let folder = tempfile::tempdir().unwrap();
         let report = examples::report();
         let page = write(&report, &folder.path().join("new")).unwrap();
@@ -274,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn a_page_needs_nothing_beside_it_and_tells_the_error_of_each_truth() {
+    fn the_page_is_self_contained_and_shows_errors_of_truths() {
         let text = page(&examples::report());
         assert!(["<script", "href=", "src=\"http", "{{", "{%"].iter().all(|part| !text.contains(part)));
         for tag in ["table", "details", "svg"] {
@@ -292,7 +292,7 @@ mod tests {
     }
 
     #[test]
-    fn m56_table_3_has_ours_beside_the_paper_and_the_errors_of_the_page() {
+    fn m56_table_3_shows_ours_the_paper_and_errors() {
         let mut report = examples::report();
         let way = &crate::compare::paper::TABLE_3[3];
         let plan = Plan {

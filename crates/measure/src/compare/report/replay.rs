@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn m54_m55_m56_m57_each_window_has_ours_and_the_cards_and_each_row_its_error() {
+    fn m54_m55_m56_m57_windows_show_ours_and_the_cards() {
         let text = text(&report());
         let heads = "|300×300 0x|9700 Pro|6800 GT|300×300 8x|9700 Pro|6800 GT|1024×768 0x|9700 Pro|6800 GT|1024×768 8x|9700 Pro|6800 GT|RMSE|FLIP|";
         assert_eq!(cells(&text, "Tables 1 and 2", " "), format!("|{heads}"));

@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn a_chunk_that_is_cut_or_bent_is_a_fault_or_of_the_length_that_was_asked_for() {
+    fn damaged_chunks_fail_or_keep_the_declared_length() {
         for packed in PACKED {
             let chunk = STANDARD.decode(packed).unwrap();
             for end in 0..chunk.len() {

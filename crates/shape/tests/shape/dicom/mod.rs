@@ -198,7 +198,7 @@ fn the_frames_of_one_file_are_slices() {
 }
 
 #[test]
-fn series_that_share_a_folder_are_named_and_a_slice_stands_for_its_own() {
+fn series_of_one_folder_are_named_and_a_slice_selects_its_own() {
     let desk = series(LITTLE, |_, _| {});
     for (name, z) in [("x1", 5), ("x2", 9)] {
         let mut file = File::slice(LITTLE, z - 5, at(z));

@@ -288,7 +288,7 @@ fn what_is_wrong_with_packed_pixels_is_told_in_one_line() {
 }
 
 #[test]
-fn a_small_file_that_promises_much_is_refused_before_memory_is_taken() {
+fn small_files_of_large_declared_size_are_refused_early() {
     for (uid, frame) in [(RLE, rle(&[vec![0, 0]])), (LOSSLESS[1], lossless(&raw(1), 4, 16, 1, &[], 0))] {
         let desk = Desk::new(&[]);
         for z in 0..2 {
@@ -304,7 +304,7 @@ fn a_small_file_that_promises_much_is_refused_before_memory_is_taken() {
 }
 
 #[test]
-fn packed_pixels_with_any_byte_changed_are_read_or_refused_in_one_line() {
+fn damaged_packed_pixels_are_read_or_refused_in_one_line() {
     let pixels: Vec<Vec<u8>> = raw(0).iter().map(|value| value.to_le_bytes()[..2].to_vec()).collect();
     let frames_of = |uid: &'static str, frame: Vec<u8>| {
         let bytes = frames(|file, _| {

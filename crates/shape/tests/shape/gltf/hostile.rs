@@ -102,7 +102,7 @@ fn what_a_document_only_declares_takes_neither_time_nor_memory() {
 }
 
 #[test]
-fn a_mesh_shown_too_often_is_refused_before_it_is_there_so_often() {
+fn too_many_instances_are_refused_before_allocation() {
     // 100 x 100 squares.
     let side = 100_u32;
     let mut data: Vec<u8> = Vec::new();

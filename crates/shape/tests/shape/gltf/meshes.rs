@@ -19,7 +19,7 @@ fn the_duck_stands_where_its_node_puts_it() {
 }
 
 #[test]
-fn data_in_a_chunk_in_the_text_and_in_a_file_beside_it_is_the_same() {
+fn embedded_chunked_and_external_data_are_equal() {
     let chunk = glb(&document(), &data());
     assert_tetrahedron(&mesh(&chunk));
     assert_tetrahedron(&mesh(&gltf(document(), &data())));
@@ -70,7 +70,7 @@ fn data_in_a_chunk_in_the_text_and_in_a_file_beside_it_is_the_same() {
 }
 
 #[test]
-fn triangles_strips_and_fans_with_and_without_indices_face_the_same_way() {
+fn triangles_strips_and_fans_have_equal_orientation() {
     // A square in z = 0, seen from +z: its corners in the order of a strip, and of a fan.
     let strip = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0_f32]];
     let fan = [strip[0], strip[1], strip[3], strip[2]];
@@ -106,7 +106,7 @@ fn triangles_strips_and_fans_with_and_without_indices_face_the_same_way() {
 }
 
 #[test]
-fn nodes_put_meshes_in_their_places_and_mirrored_ones_stay_outside_out() {
+fn nodes_place_meshes_and_mirrored_ones_keep_orientation() {
     let half = std::f64::consts::FRAC_1_SQRT_2;
     let mesh = changed(|document| {
         document["scenes"][0]["nodes"] = json!([4, 0]);
@@ -184,7 +184,7 @@ fn interleaved_vertices_are_found_in_their_places() {
 }
 
 #[test]
-fn sparse_accessors_replace_what_they_name_and_the_rest_stays_or_is_zero() {
+fn sparse_accessors_replace_only_the_named_elements() {
     for code in [(5121, 1), (5123, 2), (5125, 4_usize)] {
         let mut data = data();
         data[12..48].fill(7); // corners 1 to 3
@@ -253,7 +253,7 @@ fn quantized_positions_are_whole_numbers_or_parts_of_one() {
 }
 
 #[test]
-fn what_is_left_out_of_the_geometry_is_noted_and_the_rest_is_not() {
+fn only_skipped_geometry_is_noted() {
     let mut document = document();
     assert_eq!(read_noted("a.glb", &glb(&document, &data())).unwrap().notes, Vec::<String>::new());
     document["nodes"] = json!([{ "mesh": 0, "skin": 3, "camera": 9, "extensions": { "KHR_lights_punctual": { "light": 0 } },

@@ -200,7 +200,7 @@ fn each_wrong_value_is_said_with_its_place() {
 }
 
 #[test]
-fn wrong_indices_and_sparse_replacements_are_said_with_their_place() {
+fn wrong_indices_and_sparse_values_are_located() {
     for (index, code, said) in [
         (
             4_u16,

@@ -3,7 +3,7 @@
 use super::*;
 
 #[test]
-fn every_version_type_and_packing_gives_the_voxels_in_their_place() {
+fn all_versions_types_and_packings_give_the_same_voxels() {
     for version in 220..=225 {
         let flags: &[u32] = if version < 222 { &[0, ZIP] } else { &[0, ZIP, MASK, MASK | ZIP, BLOSC, BLOSC | MASK] };
         for &flags in flags {
@@ -140,7 +140,7 @@ fn fog_that_openvdb_wrote_behind_a_grid_of_vectors_is_read() {
 }
 
 #[test]
-fn the_first_grid_that_fits_is_read_and_the_others_are_named_where_none_does() {
+fn the_first_suitable_grid_is_read_or_all_are_named() {
     let grid = |file: &mut File, class: &str| {
         let start = file.bytes.len();
         head(file, PLAIN, class, &scaled);
@@ -214,7 +214,7 @@ pub(super) fn voxels(origins: &[[i32; 3]]) -> Vec<u8> {
 }
 
 #[test]
-fn two_voxels_far_from_each_other_are_refused_with_the_size_of_their_box() {
+fn two_distant_voxels_are_refused_with_their_box_size() {
     let near = volume(read("test.vdb", &voxels(&[[-8, 8, 16], [0, 0, 4088]])));
     assert_eq!(near.size, [11, 11, 4075]);
     assert_eq!(near.values.iter().filter(|value| **value == 1.0).count(), 2);

@@ -92,7 +92,7 @@ mod tests {
     use hypertexture::shader;
 
     #[test]
-    fn a_copy_takes_the_place_of_its_original_and_anything_else_comes_last() {
+    fn a_copy_replaces_its_original_and_others_come_last() {
         let shipped = shader::shipped();
         let fur = shipped.source("dmf/fur.glsl").unwrap();
         let plain = "float plain(float density, Sample s) {\n    return density;\n}\n";

@@ -251,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn parameters_functions_of_included_files_and_those_of_glsl_are_offered() {
+    fn completion_offers_parameters_included_and_glsl_functions() {
         let fur = shader::shipped().source("dmf/fur.glsl").unwrap().to_string();
         assert_eq!(offered(&format!("{fur}float x = finen|"), false), ["fineness"]);
         assert_eq!(offered(&format!("{fur}float x = noise_gr|"), false), ["noise_gradient"]);

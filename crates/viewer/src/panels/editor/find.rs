@@ -66,7 +66,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_word_is_found_in_any_case_and_wherever_letters_take_more_bytes() {
+    fn find_ignores_case_and_handles_multibyte_letters() {
         assert_eq!(matches("Noise, noise\nÄnoise", "noise"), [0..5, 7..12, 15..20]);
         assert_eq!(matches("aaaa", "aa"), [0..2, 2..4]);
         assert!(matches("noise", "").is_empty() && matches("noise", "fur").is_empty());
