@@ -2,7 +2,7 @@
 
 use crate::common::{Level, Ray, box_subject, difference, errors, formula, homogeneous, picture, subject, with_gpu};
 use glam::{DVec3, Vec3};
-use hypertexture::render::{Subject, render};
+use hypertexture::render::{Renderer, Subject, render};
 use hypertexture::scene::{Color, LightMethod, Pass, Projection, Scene, parse, preset};
 use hypertexture::shader::{self, Library};
 
@@ -70,6 +70,23 @@ fn falls(levels: &[Level], order: f64, mean: f64) {
     println!("order {observed:.2}");
     assert!(observed >= order, "of order {observed}");
     assert!(levels[levels.len() - 1].mean <= mean, "{:?}", levels[levels.len() - 1]);
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_renderer_follows_the_light_to_the_other_side() {
+    let library = library();
+    with_gpu(|gpu| {
+        let mut scene = lit("sphere", 1.0, DVec3::new(0.4, 0.3, 5.0));
+        scene.image.size = [32, 32];
+        let subject = formula(&scene);
+        let mut renderer = Renderer::new(gpu, &library, &subject);
+        for depth in [5.0, -5.0, 5.0] {
+            scene.light.position[2] = depth;
+            let again = renderer.render(&scene).unwrap_or_else(|error| panic!("{error}"));
+            assert!(again.pixels == picture(gpu, &library, &scene, &subject).pixels, "light at z = {depth}");
+        }
+    });
 }
 
 #[test]

@@ -52,6 +52,13 @@ pub(super) struct Pipelines {
 /// Octaves, vertex attributes, target format, samples, blending, and use of the opaque mask.
 type Shape = (u32, &'static [u32], gpu::Format, u32, gpu::Blend, gpu::Marks);
 
+impl Pipelines {
+    /// Blending of the picture's fragments.
+    pub(super) fn blend(&self) -> gpu::Blend {
+        self.shape.4
+    }
+}
+
 /// Work before the first rays of a picture, once its blocks are filled.
 pub(super) type Prelude<'a> = &'a mut dyn FnMut(&mut Prepared, &FrameContext) -> Result<(), RenderError>;
 

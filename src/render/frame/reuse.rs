@@ -2,7 +2,7 @@
 
 use super::destination::Destination;
 use super::prepared::Prepared;
-use crate::render::variant::{ObjectImage, Variant};
+use crate::render::variant::{ImageInput, Variant};
 use crate::scene::schema::Changes;
 use crate::shader::slots::FOLDED;
 
@@ -10,7 +10,10 @@ impl Prepared {
     /// Whether this serves another scene: one that differs only in per-picture values or in size.
     pub(crate) fn fits(&self, variant: &Variant, destination: Destination) -> bool {
         let changes = variant.scene.changes(&self.variant.scene);
-        self.destination.serves(destination) && !changes.has_any(&[Changes::Targets]) && self.has_same_inputs(variant)
+        // Half-angle slices blend by the side of the light.
+        let has_same_blend = destination.blend(&variant.scene) == self.pipelines.blend();
+        let is_served = self.destination.serves(destination) && has_same_blend;
+        is_served && !changes.has_any(&[Changes::Targets]) && self.has_same_inputs(variant)
     }
 
     /// Whether another scene has the same program and images: one that differs only in camera, time, parameters,
@@ -18,8 +21,8 @@ impl Prepared {
     pub(crate) fn has_same_inputs(&self, variant: &Variant) -> bool {
         let (scene, own) = (&variant.scene, &self.variant.scene);
         // Some images depend on the step.
-        let by_step =
-            [ObjectImage::Segment, ObjectImage::Bricks].into_iter().any(|image| self.program.reads_image(image));
+        let depends_on_step = |image| matches!(image, ImageInput::Object(own) if own.depends_on_step());
+        let by_step = self.program.images().any(depends_on_step);
         let same_reach = || {
             let [wanted, own] = [variant, &self.variant].map(|variant| {
                 let all = [&variant.parameters].into_iter().chain(variant.parts.values());

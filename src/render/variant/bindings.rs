@@ -210,6 +210,18 @@ impl ObjectImage {
             ObjectImage::Volume | ObjectImage::Bricks | ObjectImage::Closest => false,
         }
     }
+
+    /// Whether the texels depend on the distance between samples.
+    pub const fn depends_on_step(self) -> bool {
+        match self {
+            ObjectImage::Segment | ObjectImage::Bricks => true,
+            ObjectImage::Volume
+            | ObjectImage::Transfer
+            | ObjectImage::Index
+            | ObjectImage::Classified
+            | ObjectImage::Closest => false,
+        }
+    }
 }
 
 #[cfg(test)]
