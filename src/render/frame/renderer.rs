@@ -336,13 +336,7 @@ impl Renderer {
     /// The variant that draws that of a scene by fragment shaders: in one phase where the device has cut two-phase rays
     /// short, else as suits most devices of its kind.
     pub(super) fn plain<'a>(&self, own: &'a Variant) -> Cow<'a, Variant> {
-        let is_changed = own.uses_two_phase() && self.is_direct(own);
-        if is_changed { Cow::Owned(own.without_two_phase()) } else { Cow::Borrowed(own) }
-    }
-
-    /// Whether that variant has one phase.
-    fn is_direct(&self, own: &Variant) -> bool {
-        !own.uses_two_phase() || self.is_cut(own) || own.is_direct_on(self.gpu.info().cpu)
+        if self.is_cut(own) { Cow::Owned(own.without_two_phase()) } else { own.for_device(self.gpu.info().cpu) }
     }
 
     /// Whether compute shaders bend the rays of a scene, since the derivatives of fragment shaders are wrong.

@@ -181,13 +181,9 @@ impl Variant {
     /// The fastest variant for a device. GPUs skip branches that no ray of a group takes, and shade soft matter
     /// directly: finding it first evaluates the density twice (H100: fire 3.1 ms instead of 4.4, flow 2.7 instead of
     /// 4.7). Hard matter is shaded once a ray and stays in two phases (lit 0.12 ms instead of 0.2).
-    pub(crate) fn for_device(self, on_processor: bool) -> Variant {
-        if self.is_direct_on(on_processor) { self.without_two_phase() } else { self }
-    }
-
-    /// Whether that variant has one phase because of the device.
-    pub(crate) fn is_direct_on(&self, on_processor: bool) -> bool {
-        !on_processor && !self.is_hard()
+    pub(crate) fn for_device(&self, on_processor: bool) -> Cow<'_, Variant> {
+        let is_direct = self.uses_two_phase() && !on_processor && !self.is_hard();
+        if is_direct { Cow::Owned(self.without_two_phase()) } else { Cow::Borrowed(self) }
     }
 
     /// Whether all objects have hard surfaces.

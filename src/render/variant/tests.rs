@@ -7,8 +7,8 @@ use crate::shader::{self, Linker};
 #[test]
 fn soft_matter_is_found_and_shaded_at_once_on_a_gpu() {
     let for_device = |name: &str, on_processor| {
-        let variant = Variant::of(&preset(name).unwrap(), &shader::shipped()).unwrap().for_device(on_processor);
-        variant.module("empty_space").unwrap().to_string()
+        let variant = Variant::of(&preset(name).unwrap(), &shader::shipped()).unwrap();
+        variant.for_device(on_processor).module("empty_space").unwrap().to_string()
     };
     for name in ["fire", "tank", "fur"] {
         assert_eq!([true, false].map(|on_processor| for_device(name, on_processor)), ["skip", "leap"], "{name}");
