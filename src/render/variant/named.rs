@@ -19,6 +19,7 @@ impl Variant {
     }
 
     /// Whether an object takes colors, opacities or indices of refraction from its transfer map; `""` is the main object.
+    /// A hidden object has no part in the variant.
     pub fn reads_transfer(&self, library: &Library, object: &str) -> bool {
         let is_made_of_it = |image| matches!(image, ImageInput::Object(own) if own.is_of_transfer());
         // A map of one color is a constant, without an image.

@@ -14,6 +14,7 @@ use hypertexture::render::texture::evaluate;
 use hypertexture::render::variant::Variant;
 use hypertexture::scene::{Color, Scene, Stop, Transfer, linear_to_srgb};
 use hypertexture::shader::Library;
+use std::borrow::Cow;
 
 /// Height of the curve and of the bar, points.
 const HEIGHTS: [f32; 2] = [110.0, 22.0];
@@ -71,9 +72,13 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, selecte
     }
 }
 
-/// Whether an object takes anything from its transfer map; true for a scene without a program.
+/// Whether an object takes anything from its transfer map, also one that is hidden; true for a scene without a program.
 fn reads_map(scene: &Scene, library: &Library, part: Option<&str>) -> bool {
-    Variant::of(scene, library).map_or(true, |variant| variant.reads_transfer(library, part.unwrap_or_default()))
+    let mut scene = Cow::Borrowed(scene);
+    if part.and_then(|name| scene.parts.get(name)).is_some_and(|own| own.hidden) {
+        part.and_then(|name| scene.to_mut().parts.get_mut(name)).into_iter().for_each(|own| own.hidden = false);
+    }
+    Variant::of(&scene, library).map_or(true, |variant| variant.reads_transfer(library, part.unwrap_or_default()))
 }
 
 /// The curve with a point for each stop, over the histogram of densities.
