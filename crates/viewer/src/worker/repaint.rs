@@ -1,5 +1,6 @@
 //! Pictures during a stroke of the brush: only the part that its touches change is drawn anew. Whole pictures would be
-//! coarse, since a stroke leaves no time for proofs of empty cells.
+//! coarse, since a stroke leaves no time for proofs of empty cells. Shadows that the touches cast on other parts follow
+//! when the stroke rests.
 
 use super::job::{Job, Picture};
 use super::mean::resampled;
@@ -10,14 +11,14 @@ use crate::document::painting::Touch;
 use hypertexture::glam::{Vec2, Vec3};
 use hypertexture::gpu::Area;
 use hypertexture::render::{RenderError, ViewPose, paste_areas};
-use hypertexture::scene::Scene;
+use hypertexture::scene::{RayPath, Scene};
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 /// Least depth in front of the eye at which a part of the picture is known, object units.
 const NEAR: f32 = 1e-2;
-/// Margin around the touches for the voxels of the groom, object units.
-const MARGIN: f32 = 0.04;
+/// Step of the coarsest groom, object units, for a groom that is gone.
+const COARSEST: f32 = 2.25 / 32.0;
 
 /// A part of a picture: left and top, right and bottom, in fractions of its width and height.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,8 +83,8 @@ fn paste_enlarged(pixels: &[[f32; 4]], area: &Area, from: [u32; 2], to: [u32; 2]
 }
 
 impl RenderThread {
-    /// The picture of `before` with the part drawn anew that a stroke has changed since; `None` if more has changed, or
-    /// if whole previews are as fine as the scene's own picture.
+    /// The picture of `before` with the part drawn anew that a stroke has changed since; `None` if more has changed, if the
+    /// scene shows a touched place elsewhere, or if whole previews are as fine as the scene's own picture.
     pub(super) fn repainted(
         &mut self,
         job: &Job,
@@ -95,15 +96,18 @@ impl RenderThread {
         };
         let scene = &variant.scene;
         let touches = job.trace.as_ref().and_then(|trace| trace.between(own.groom.as_deref(), scene.groom.as_deref()));
-        let is_fine = self.budget.level().is_finest() || scene.is_half_angle();
-        let (false, Some(touches)) = (is_fine, touches) else { return Ok(None) };
+        let is_moved = !scene.effect.warp.is_empty() || scene.effect.ray_path != RayPath::Straight;
+        let needs_whole = self.budget.level().is_finest() || scene.is_half_angle() || is_moved;
+        let (false, Some(touches)) = (needs_whole, touches) else { return Ok(None) };
         if (Scene { groom: own.groom.clone(), ..Scene::clone(scene) }) != **own {
             return Ok(None);
         }
         let parameters = scene.check(&variant.library).ok();
         let outer = parameters.and_then(|own| own.outer_iso()).unwrap_or(scene.object.outer_iso);
         let pose = pose_of(variant)?;
-        let Some(part) = Part::of(touches, outer + MARGIN, &pose) else { return Ok(None) };
+        // A lookup reads the next voxel, and a slope of the groom the one behind it.
+        let voxels = 2.0 * variant.subject.groom.as_ref().map_or(COARSEST, |groom| groom.step());
+        let Some(part) = Part::of(touches, outer + voxels, &pose) else { return Ok(None) };
         let (mut pictures, from) = before.best();
         let size = scene.image.size;
         if from != size {
