@@ -1,6 +1,7 @@
 //! Keys, strokes and the frame of the picture, by hands on a window without a device.
 
 use super::hand::{Hand, act, agrees, drag, drag_with, loaded, open, said, scene};
+use crate::input::Command;
 use crate::panels::Question;
 use egui::accesskit::{Action, ActionRequest, Role};
 use egui::{Event, Key, Modifiers};
@@ -37,6 +38,21 @@ fn a_key_without_effect_says_why() {
     hand.run_steps(2);
     drag(&mut hand, [0.1, 0.1], [0.3, 0.2]);
     assert!(said(&hand).contains("camera.matrices fix the view"), "{}", said(&hand));
+}
+
+#[test]
+fn a_comparison_pins_the_shown_scene_and_ends() {
+    let mut hand = loaded(scene());
+    hand.state_mut().validity = true;
+    for time in [None, Some(1.5)] {
+        hand.state_mut().time.clock = time;
+        hand.state_mut().perform(Command::Compare);
+        let app = hand.state();
+        let (pinned, library) = app.comparison.pinned.as_ref().expect("a pinned scene");
+        assert!(**pinned == app.shown() && Arc::ptr_eq(library, &app.library) && !app.validity);
+        hand.state_mut().perform(Command::Compare);
+        assert!(hand.state().comparison.pinned.is_none());
+    }
 }
 
 #[test]
