@@ -1,6 +1,6 @@
 //! Fields of a scene by name, as for `--set`.
 
-use super::schema::{ChangeSet, Setting, float, setting};
+use super::schema::{ChangeSet, float, setting};
 use super::setting::Node;
 use crate::scene::error::reason;
 use crate::scene::{FieldId, Scene, SceneError};
@@ -12,11 +12,6 @@ impl FieldId {
     /// The field with a name such as `light.color` or `parts.stone.transform.at`. Tables have no identity.
     pub fn named(name: &str) -> Option<FieldId> {
         if name.ends_with('.') { None } else { Scene::find(name) }
-    }
-
-    /// The setting of the field; `None` for parameters, modules and tracks.
-    pub fn setting(&self) -> Option<&'static Setting> {
-        <Scene as Node>::setting(self)
     }
 }
 
@@ -172,7 +167,6 @@ mod tests {
         for (name, value) in scene.fields() {
             let field = FieldId::named(&name).unwrap();
             assert_eq!((field.to_string(), scene.value(&field)), (name.clone(), Some(value.clone())));
-            assert_eq!(field.setting().map(|own| own.name), setting(&name).map(|own| own.name));
             other.insert(&name, Some(value)).unwrap();
         }
         assert_eq!(other, scene);
