@@ -22,7 +22,7 @@ const float BULGE = 1.0 / 64.0;
 // How near to the surface is near enough, in steps: one line more leads there.
 const float CLOSE = 1.0 / 64.0;
 
-// Number of turns after which a ray stops looking for edges: lavapipe counts those of all loops, and src/scene/loops.rs counts on it.
+// Number of turns after which a ray stops looking for edges: lavapipe counts those of all loops, and src/scene/rules/loops.rs counts on it.
 const int MOST_TURNS = 32;
 int turns = 0;
 

@@ -1,6 +1,6 @@
 #version 450
 // A picture as a texture of the window: codes over a background, or with an alpha for the blend over both gray levels of
-// the checkerboard. crates/viewer/src/screen.rs encodes pictures of the host so.
+// the checkerboard. crates/viewer/src/screen/pictures.rs encodes pictures of the host so.
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant) uniform Area { ivec2 first, end; };
 layout(binding = 0) uniform texture2D light; // premultiplied, linear

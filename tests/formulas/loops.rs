@@ -4,7 +4,7 @@ use crate::formulas::harness::{Check, OCTAVES, shipped};
 
 /// Noise that loops over the corners of a cell.
 const LOOPING: &str = "wavelet";
-/// Iterations of a noise without `@loops`, as in `src/scene/loops.rs`.
+/// Iterations of a noise without `@loops`, as in `src/scene/rules/loops.rs`.
 const UNKNOWN: u32 = 9;
 
 #[test]

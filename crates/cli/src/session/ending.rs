@@ -15,6 +15,7 @@ pub const FAILED: u8 = 1;
 /// Time for what a command writes at its end, once a signal has ended its wait for a device. Lower: the report of a
 /// loaded machine is lost. Higher: a command that hangs for another reason ends late.
 const GRACE: Duration = Duration::from_secs(3);
+
 /// An interrupt by the user or a scheduler, with the finished frames.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]

@@ -7,7 +7,6 @@ use crate::terminal::{absolute, with_progress};
 use hypertexture::output::sequence::{Frames, Manifest, Sequence, manifest_path};
 use hypertexture::output::shard::Shard;
 use hypertexture::output::{Provenance, identity, write};
-use hypertexture::render::variant::Variant;
 use hypertexture::render::{Frame, Renderer, loop_note, same_pictures};
 use hypertexture::scene::{Color, Scene};
 use serde_json::{Value, json};

@@ -137,7 +137,7 @@ fn take_over(folder: &Path) {
     if modules(folder).is_empty() {
         remove(folder);
     } else {
-        let _ = fs::write(folder.join(RESTORED), ""); // the work is offered again
+        let _ = fs::write(folder.join(RESTORED), ""); // if this fails, the work is offered again
     }
 }
 
