@@ -211,7 +211,7 @@ mod tests {
             "encoded",
             "slices, points",
             ": 10⁻⁷, below",
-            "nothing beats",
+            "Pareto front",
         ];
         assert!(parts.iter().all(|part| file.contains(part)), "{file}");
         assert!(
