@@ -4,6 +4,7 @@
 //! parts are neither in the program nor in its layout; [`Program::left_out`] lists them.
 
 mod bindings;
+mod checkable;
 mod density;
 mod error;
 mod linked;
@@ -14,6 +15,7 @@ mod scene_variant;
 
 pub use crate::scene::FORMULAS;
 pub use bindings::{GroomImage, ImageInput, NoiseImage, ObjectImage, PassImage, SamplerInput};
+pub use checkable::Checkable;
 pub(crate) use density::{as_density, as_extinction, unlit};
 pub use error::VariantError;
 pub(crate) use program::parts;
@@ -21,7 +23,7 @@ pub(crate) use program::why_left_out;
 pub use program::{Blocks, OCTAVES_ID, Program};
 pub(crate) use reflect::PICTURE_BINDING;
 pub use reflect::{Block, Member, ReflectError, Resource, Use};
-pub use scene_variant::{Checkable, Purpose, Variant, slot_of};
+pub use scene_variant::{Purpose, Variant, slot_of};
 
 #[cfg(test)]
 mod tests;
