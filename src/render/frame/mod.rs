@@ -19,6 +19,7 @@ mod shadow;
 mod submission_budget;
 mod trial;
 mod voxels;
+mod way;
 
 pub use depth::check_depth;
 pub(crate) use early_exit::OpaqueMask;

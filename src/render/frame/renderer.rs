@@ -3,7 +3,7 @@
 use super::background::BackgroundPrepare;
 use super::depth::by_rays;
 use super::destination::Destination;
-use super::filters::{note, suited};
+use super::filters::note;
 use super::pixels::paste_areas;
 use super::prepared::{Prelude, Prepared, Reusable};
 use super::trial::Ways;
@@ -15,7 +15,7 @@ use crate::render::error::RenderError;
 use crate::render::measurements::Frame;
 use crate::render::subject::Subject;
 use crate::render::variant::{Checkable, PassImage, Variant};
-use crate::scene::{RayPath, Scene, ShaderStage};
+use crate::scene::Scene;
 use crate::shader::{Library, Slots};
 use crate::shape::Groom;
 use hypertexture_support::watchdog::own_processor_time;
@@ -49,11 +49,11 @@ pub struct Renderer {
     is_stroke: bool,
     stop: Stop,
     /// Modules and samples of scenes whose two-phase rays the device has cut short.
-    cut_short: Vec<(Arc<Slots>, u32)>,
+    pub(super) cut_short: Vec<(Arc<Slots>, u32)>,
     /// Ways to draw that trials have chosen.
-    ways: Ways,
+    pub(super) ways: Ways,
     /// The latest scene that was checked here.
-    checked: Option<Arc<Variant>>,
+    pub(super) checked: Option<Arc<Variant>>,
     pub(super) recorded: Option<Recorded>,
     /// Preparation of a host's next scene.
     pub(super) preparing: Option<BackgroundPrepare>,
@@ -307,47 +307,6 @@ impl Renderer {
         };
         self.checked = Some(made.clone());
         Ok(made)
-    }
-
-    /// The variant of a scene by filters that the device has.
-    pub(super) fn suited<'a>(&self, variant: Cow<'a, Variant>) -> Cow<'a, Variant> {
-        suited(self.gpu.info(), variant)
-    }
-
-    /// The variant that draws a scene.
-    fn variant(&self, scene: &impl Checkable) -> Result<Variant, RenderError> {
-        let own = self.suited(scene.checked_after(&self.library, self.checked.as_deref())?);
-        Ok(self.in_way(&own).into_owned())
-    }
-
-    /// The variant that draws that of a scene: [`Renderer::plain`], or in the way that a trial chose.
-    fn in_way<'a>(&self, own: &'a Variant) -> Cow<'a, Variant> {
-        let in_compute = || self.plain(own).in_compute(&self.library).ok();
-        let way = match own.scene.quality.stage {
-            ShaderStage::Compute if self.gpu.info().computes => in_compute(),
-            ShaderStage::Fragment | ShaderStage::Compute => None,
-            ShaderStage::Auto if self.bends_in_compute(own) => in_compute(),
-            ShaderStage::Auto if self.is_cut(own) => None,
-            ShaderStage::Auto => self.ways.applied(own, &self.library),
-        };
-        way.map_or_else(|| self.plain(own), Cow::Owned)
-    }
-
-    /// The variant that draws that of a scene by fragment shaders: in one phase where the device has cut two-phase rays
-    /// short, else as suits most devices of its kind.
-    pub(super) fn plain<'a>(&self, own: &'a Variant) -> Cow<'a, Variant> {
-        if self.is_cut(own) { Cow::Owned(own.without_two_phase()) } else { own.for_device(self.gpu.info().cpu) }
-    }
-
-    /// Whether compute shaders bend the rays of a scene, since the derivatives of fragment shaders are wrong.
-    fn bends_in_compute(&self, own: &Variant) -> bool {
-        let info = self.gpu.info();
-        info.misses_neighbors() && info.computes && own.scene.effect.ray_path == RayPath::Refracted
-    }
-
-    fn is_cut(&self, own: &Variant) -> bool {
-        let samples = own.scene.quality.samples;
-        self.cut_short.iter().any(|(slots, cut)| *slots == own.slots && *cut <= samples)
     }
 
     /// Finds or prepares the cache entry of a scene.
