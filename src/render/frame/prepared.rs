@@ -10,7 +10,7 @@ use super::shadow::{ShadowCaster, ShadowVolume};
 use super::submission_budget::{SubmissionBudget, SubmissionControl};
 use super::{bind, pass};
 use crate::field::Progress;
-use crate::gpu::{self, Buffer, Gpu, HostCommands, Recording};
+use crate::gpu::{self, Buffer, Gpu};
 use crate::render::camera::{FrameContext, SubFrame};
 use crate::render::error::RenderError;
 use crate::render::inputs::Inputs;
@@ -40,11 +40,11 @@ pub(super) struct Pipelines {
     shape: Shape,
     pub(super) picture: Arc<gpu::Pipeline>,
     /// Shadow casting, with `light.shadows`.
-    caster: Option<ShadowCaster>,
+    pub(super) caster: Option<ShadowCaster>,
     /// Light buffers, with half-angle slicing.
     half_angle: Option<HalfAngle>,
     /// Depth, once requested.
-    depth: Option<Depth>,
+    pub(super) depth: Option<Depth>,
     /// Submission budget of the pictures.
     budget: SubmissionBudget,
 }
@@ -86,7 +86,7 @@ pub(crate) struct Prepared {
     /// Size of the full picture of which pictures are previews.
     pub(crate) whole: [u32; 2],
     /// The latest recorded picture, whose values the blocks hold, by its variant.
-    recorded: Option<(Arc<Variant>, FrameContext)>,
+    pub(super) recorded: Option<(Arc<Variant>, FrameContext)>,
 }
 
 impl Prepared {
@@ -214,13 +214,13 @@ impl Prepared {
 
     /// Context of a picture, with the slots of this program: its cells and tables serve the next picture, in which a zero
     /// may have changed.
-    fn context(&self, variant: &Variant, subject: &Subject) -> FrameContext {
+    pub(super) fn context(&self, variant: &Variant, subject: &Subject) -> FrameContext {
         let variant = Variant { slots: self.variant.slots.clone(), ..variant.clone() };
         FrameContext { whole: self.whole, ..FrameContext::of(variant, subject) }
     }
 
     /// Slices of a picture; `None` for rays.
-    fn slices(&self, frame: &FrameContext) -> Result<Option<(Buffer, pass::Stack)>, RenderError> {
+    pub(super) fn slices(&self, frame: &FrameContext) -> Result<Option<(Buffer, pass::Stack)>, RenderError> {
         let (quality, view, planes) = (&frame.variant.scene.quality, &frame.view, &frame.planes);
         if quality.pass == Pass::March {
             return Ok(None);
@@ -239,53 +239,15 @@ impl Prepared {
 
     /// Casts the shadow volume of a picture and waits for it, unless the latest serves. Returns the milliseconds on the
     /// device now, and those of a reused volume.
-    fn cast(&mut self, frame: &FrameContext, stop: &dyn Fn(f64) -> bool) -> Result<Option<[f64; 2]>, RenderError> {
+    pub(super) fn cast(
+        &mut self,
+        frame: &FrameContext,
+        stop: &dyn Fn(f64) -> bool,
+    ) -> Result<Option<[f64; 2]>, RenderError> {
         let Some(caster) = &mut self.pipelines.caster else { return Ok(None) };
         let ShadowVolume { image, gpu_ms, is_kept, .. } = caster.volume(&self.gpu, frame, &self.bound, stop)?;
         self.bound.replace(&self.program, PassImage::Shadow, image);
         Ok(Some(if is_kept { [0.0, gpu_ms] } else { [gpu_ms, 0.0] }))
-    }
-
-    /// Records a picture of a scene that fits.
-    pub(crate) fn record(
-        &mut self,
-        commands: &mut HostCommands<'_>,
-        variant: &Arc<Variant>,
-        subject: &Subject,
-    ) -> Result<Recording, RenderError> {
-        let kept = self.recorded.take();
-        let kept = kept.filter(|(own, frame)| Arc::ptr_eq(own, variant) && frame.whole == self.whole);
-        let is_kept = kept.is_some();
-        let frame = kept.map_or_else(|| self.context(variant, subject), |(_, frame)| frame);
-        let mut all = SubFrame::all(&variant.scene);
-        let (Some(sub_frame), None) = (all.next(), all.next()) else {
-            return Err(RenderError::Recorded("quality.supersampling = 1"));
-        };
-        if !is_kept {
-            self.bound.set_blocks(&self.gpu, &self.program, &frame, &sub_frame)?;
-        }
-        self.bound.update_recorded_cells(&self.gpu, &self.program, &frame)?;
-        if self.pipelines.caster.is_some() {
-            self.bound.uploads.submit(&self.gpu)?; // the shadow pass is submitted, and reads them
-        }
-        self.cast(&frame, &|_| false)?;
-        let (vertices, count) = match self.slices(&frame)? {
-            Some((vertices, stack)) => (Some(vertices), stack.slices * stack.per_slice),
-            None => (None, 3),
-        };
-        let pipeline = &self.pipelines.picture;
-        let set = pipeline.bind(&self.bound.resources())?;
-        let depth = self.pipelines.depth.as_ref().filter(|_| commands.has_depth());
-        let depth =
-            depth.map(|own| Ok::<_, RenderError>((own.pipeline.clone(), own.bind(&self.gpu, &self.bound, None)?)));
-        let recording = commands.draw(&self.bound.uploads, pipeline, set, vertices, 0..count, depth.transpose()?);
-        self.recorded = Some((variant.clone(), frame));
-        Ok(recording)
-    }
-
-    /// Discards the values of the latest recorded picture, which the next one makes anew.
-    pub(crate) fn forget_recorded(&mut self) {
-        self.recorded = None;
     }
 
     /// Depth of a picture of a scene that fits, by rays; `stop` receives the milliseconds on the device.

@@ -5,8 +5,9 @@ use super::destination::Destination;
 use super::prepared::Prepared;
 use super::renderer::{Recorded, Renderer};
 use crate::gpu::{Format, HostCommands, Recording};
-use crate::render::camera::FrameContext;
+use crate::render::camera::{FrameContext, SubFrame};
 use crate::render::error::RenderError;
+use crate::render::subject::Subject;
 use crate::render::variant::Variant;
 use crate::scene::{Order, Scene};
 use std::borrow::Cow;
@@ -126,5 +127,49 @@ impl Renderer {
             Err(_) => {}
         }
         Ok(())
+    }
+}
+
+impl Prepared {
+    /// Records a picture of a scene that fits.
+    pub(crate) fn record(
+        &mut self,
+        commands: &mut HostCommands<'_>,
+        variant: &Arc<Variant>,
+        subject: &Subject,
+    ) -> Result<Recording, RenderError> {
+        let kept = self.recorded.take();
+        let kept = kept.filter(|(own, frame)| Arc::ptr_eq(own, variant) && frame.whole == self.whole);
+        let is_kept = kept.is_some();
+        let frame = kept.map_or_else(|| self.context(variant, subject), |(_, frame)| frame);
+        let mut all = SubFrame::all(&variant.scene);
+        let (Some(sub_frame), None) = (all.next(), all.next()) else {
+            return Err(RenderError::Recorded("quality.supersampling = 1"));
+        };
+        if !is_kept {
+            self.bound.set_blocks(&self.gpu, &self.program, &frame, &sub_frame)?;
+        }
+        self.bound.update_recorded_cells(&self.gpu, &self.program, &frame)?;
+        if self.pipelines.caster.is_some() {
+            self.bound.uploads.submit(&self.gpu)?; // the shadow pass is submitted, and reads them
+        }
+        self.cast(&frame, &|_| false)?;
+        let (vertices, count) = match self.slices(&frame)? {
+            Some((vertices, stack)) => (Some(vertices), stack.slices * stack.per_slice),
+            None => (None, 3),
+        };
+        let pipeline = &self.pipelines.picture;
+        let set = pipeline.bind(&self.bound.resources())?;
+        let depth = self.pipelines.depth.as_ref().filter(|_| commands.has_depth());
+        let depth =
+            depth.map(|own| Ok::<_, RenderError>((own.pipeline.clone(), own.bind(&self.gpu, &self.bound, None)?)));
+        let recording = commands.draw(&self.bound.uploads, pipeline, set, vertices, 0..count, depth.transpose()?);
+        self.recorded = Some((variant.clone(), frame));
+        Ok(recording)
+    }
+
+    /// Discards the values of the latest recorded picture, which the next one makes anew.
+    pub(crate) fn forget_recorded(&mut self) {
+        self.recorded = None;
     }
 }
