@@ -4,8 +4,9 @@
 //! out, and so is one that differs only in what its program does not read.
 
 use super::CompareError;
+use super::strategies::{chosen, strategies};
 use hypertexture::render::variant::Variant;
-use hypertexture::scene::{Filter, Integration, Pass, Scene, SceneError, TargetFormat};
+use hypertexture::scene::{Filter, Integration, Pass, Scene, TargetFormat};
 use hypertexture::shader::Library;
 use serde::Serialize;
 
@@ -26,8 +27,6 @@ pub struct Sweep {
 const SAMPLES: [u32; 6] = [16, 32, 64, 128, 256, 512];
 /// How many of them a quick sweep begins with.
 const QUICK_SAMPLES: usize = 4;
-/// Strategies that a quick sweep leaves out, unless the scene has them: they compute what others compute sooner.
-const FULL_ONLY: [&str; 3] = ["arrays", "octaves", "tables"];
 /// Sides of the blocks of noise, texels, beside that of the scene.
 const BLOCKS: [u32; 3] = [32, 64, 128];
 
@@ -110,14 +109,6 @@ impl Candidate {
     }
 }
 
-impl Strategy {
-    /// Whether it is the scene's own. Of others, a quick sweep has rays of points and slices of 8 bits alone.
-    fn is_own(&self, scene: &Scene) -> bool {
-        let (own, other) = (&scene.effect, &self.scene.effect);
-        (&own.turbulence, &own.noise) == (&other.turbulence, &other.noise)
-    }
-}
-
 impl Curve {
     /// The curve in words.
     pub fn label(&self) -> String {
@@ -144,7 +135,8 @@ pub fn candidates(scene: &Scene, library: &Library, sweep: &Sweep) -> Result<Vec
     checked.quality.samples = least;
     checked.check(library)?;
     let mut found: Vec<(String, Candidate)> = Vec::new();
-    for strategy in chosen(strategies(scene, library, sweep.quick && sweep.strategies.is_none()), sweep)? {
+    let all = strategies(scene, library, sweep.quick && sweep.strategies.is_none());
+    for strategy in chosen(all, sweep.strategies.as_deref())? {
         let brief = sweep.quick && !strategy.is_own(scene);
         for Method { pass, integration, target, block_size, filter, aside } in methods(scene, sweep) {
             if brief && !aside && (pass, integration) != (Pass::March, Integration::Point) {
@@ -223,69 +215,6 @@ fn methods(scene: &Scene, sweep: &Sweep) -> Vec<Method> {
         }
     }
     methods
-}
-
-/// A choice of modules for turbulence and noise.
-struct Strategy {
-    name: String,
-    turbulence: Option<String>,
-    scene: Scene,
-}
-
-/// All strategies that a scene may have: each module of turbulence if it reads any, with each module of noise if it reads
-/// that. A quick sweep takes the scene's own noise and the computed one.
-fn strategies(scene: &Scene, library: &Library, quick: bool) -> Vec<Strategy> {
-    let reads = |scene: &Scene, slot: &str| {
-        let variant = Variant::of(scene, library).ok();
-        variant.is_some_and(|variant| variant.reads(slot))
-    };
-    // The scene's own first: of two that differ in what is not read, that one is kept.
-    let modules = |slot: &str, own: &str| {
-        let mut modules: Vec<String> = library.modules(slot).into_iter().map(String::from).collect();
-        modules.sort_by_key(|module| module != own);
-        modules
-    };
-    let mut found: Vec<Strategy> = Vec::new();
-    for turbulence in modules("turbulence", &scene.effect.turbulence) {
-        if quick && turbulence != scene.effect.turbulence && FULL_ONLY.contains(&turbulence.as_str()) {
-            continue;
-        }
-        for noise in modules("noise", &scene.effect.noise) {
-            if quick && noise != scene.effect.noise && noise != "procedural" {
-                continue;
-            }
-            let mut scene = scene.clone();
-            (scene.effect.turbulence, scene.effect.noise) = (turbulence.clone(), noise.clone());
-            // Few samples: a sum of octaves may not take many, and that must not decide about the strategy.
-            (scene.quality.integration, scene.quality.samples) = (Integration::Point, 1);
-            if scene.check(library).is_err() {
-                continue;
-            }
-            let turbulence = reads(&scene, "turbulence").then(|| turbulence.clone());
-            let noise = reads(&scene, "noise").then_some(noise);
-            let name = match (&turbulence, noise) {
-                (Some(turbulence), Some(noise)) => format!("{turbulence}+{noise}"),
-                (Some(turbulence), None) => turbulence.clone(),
-                (None, Some(noise)) => noise,
-                (None, None) => "plain".into(),
-            };
-            if found.iter().all(|other| other.name != name) {
-                found.push(Strategy { name, turbulence, scene });
-            }
-        }
-    }
-    found
-}
-
-/// Those that the sweep names.
-fn chosen(all: Vec<Strategy>, sweep: &Sweep) -> Result<Vec<Strategy>, SceneError> {
-    let Some(names) = &sweep.strategies else { return Ok(all) };
-    let is = |strategy: &Strategy, name: &String| strategy.name == *name || strategy.turbulence.as_ref() == Some(name);
-    if let Some(unknown) = names.iter().find(|name| !all.iter().any(|strategy| is(strategy, name))) {
-        let known: Vec<&str> = all.iter().map(|strategy| strategy.name.as_str()).collect();
-        return Err(SceneError::unknown("strategy", unknown, &known));
-    }
-    Ok(all.into_iter().filter(|strategy| names.iter().any(|name| is(strategy, name))).collect())
 }
 
 #[cfg(test)]

@@ -22,6 +22,7 @@ pub mod paper;
 mod refine;
 pub mod report;
 mod ssim;
+mod strategies;
 mod theory;
 pub mod timing;
 
