@@ -60,13 +60,13 @@ impl UnusedSettings {
         let (library, effect) = (library.clone(), scene.effect.clone());
         let (scene, subject, paused) = (scene.clone(), subject.clone(), self.paused.clone());
         let background = Background::start(notify, move |task| {
-            let is_over = || {
+            let is_cancelled = || {
                 while paused.load(Ordering::Relaxed) && !task.is_cancelled() {
                     thread::sleep(POLL);
                 }
                 task.is_cancelled()
             };
-            task.send(unused_settings(&library, &subject, &scene, &is_over));
+            task.send(unused_settings(&library, &subject, &scene, &is_cancelled));
         });
         self.running = Some((shape, effect, background));
     }
