@@ -59,11 +59,10 @@ impl Scene {
     pub(super) fn check_half_angle(&self) -> Result<(), SceneError> {
         let (quality, translucency) = (&self.quality, self.light.translucency);
         if !self.is_half_angle() {
-            return match self.light.shadows && translucency > 0.0 {
-                true => {
-                    Err(SceneError::value("light.translucency", translucency, "needs light.method = \"half_angle\""))
-                }
-                false => Ok(()),
+            return if self.light.shadows && translucency > 0.0 {
+                Err(SceneError::value("light.translucency", translucency, "needs light.method = \"half_angle\""))
+            } else {
+                Ok(())
             };
         }
         let half_angle = |limit| Err(SceneError::value("light.method", "\"half_angle\"", limit));

@@ -377,9 +377,12 @@ mod tests {
             ("main | b & c", "b", ""),
             ("main | b", "b", ""),
         ] {
-            let parts = |name: &str| match combine.contains(name) {
-                true => format!("[parts.{name}]\nhidden = {}\n", name == hidden),
-                false => String::new(),
+            let parts = |name: &str| {
+                if combine.contains(name) {
+                    format!("[parts.{name}]\nhidden = {}\n", name == hidden)
+                } else {
+                    String::new()
+                }
             };
             let scene = parse(&format!("combine = '{combine}'\n{}{}", parts("b"), parts("c")), "x").unwrap();
             assert_eq!(*scene.moment().unwrap(), parse(expected, "x").unwrap(), "{combine} without {hidden}");

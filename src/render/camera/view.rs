@@ -240,12 +240,11 @@ impl View {
         let object_matrix = Mat4::from_rotation_translation(turn, center_eye)
             * Mat4::from_scale(stretch)
             * Mat4::from_translation(-center);
-        let display_matrix = match camera.slice_stack {
-            false => Mat4::IDENTITY,
-            true => {
-                let tilt = Mat4::from_rotation_x(0.3) * Mat4::from_rotation_y(STACK_TURN.to_radians());
-                Mat4::from_translation(center_eye) * tilt * Mat4::from_translation(-center_eye)
-            }
+        let display_matrix = if camera.slice_stack {
+            let tilt = Mat4::from_rotation_x(0.3) * Mat4::from_rotation_y(STACK_TURN.to_radians());
+            Mat4::from_translation(center_eye) * tilt * Mat4::from_translation(-center_eye)
+        } else {
+            Mat4::IDENTITY
         };
         View {
             projection,
@@ -276,12 +275,11 @@ impl View {
 
     /// Planes of the slices. Half-angle slices are complete, since the light passes through all of them.
     pub(crate) fn planes(&self, samples: u32) -> SlicePlanes {
-        match self.axis == Vec3::Z {
-            true => SlicePlanes::new(self.extent, samples),
-            false => {
-                let distance = -self.axis.dot(self.center_eye);
-                SlicePlanes::new(Extent { distance, near: f32::NEG_INFINITY, ..self.extent }, samples)
-            }
+        if self.axis == Vec3::Z {
+            SlicePlanes::new(self.extent, samples)
+        } else {
+            let distance = -self.axis.dot(self.center_eye);
+            SlicePlanes::new(Extent { distance, near: f32::NEG_INFINITY, ..self.extent }, samples)
         }
     }
 

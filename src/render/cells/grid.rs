@@ -173,9 +173,8 @@ impl EmptyCells {
                 }
             },
         };
-        let empty = empty.and_then(|(empty, kept)| match empty.contains(&true) {
-            true => Ok((empty, kept)),
-            false => Err("bounds prove no cell empty".to_string()),
+        let empty = empty.and_then(|(empty, kept)| {
+            if empty.contains(&true) { Ok((empty, kept)) } else { Err("bounds prove no cell empty".to_string()) }
         });
         (self.key, self.image) = (key, None);
         (self.found, self.empty) = match (&self.key, empty) {
@@ -252,10 +251,8 @@ pub(super) fn side(is_cpu: bool, frame: &FrameContext, texels: u64, is_first: bo
     let shared = if scene.camera.shutter > 0.0 { 1 } else { pictures.min(SHARED) };
     let levels = (samples * f64::from(shared) / of_a_cell).cbrt().log2().floor().clamp(0.0, 8.0);
     let side = 1 << levels as u32;
-    let of_a_texel = match is_first && scene.quality.pass == Pass::Slices {
-        true => SAMPLES_OF_FIRST_SLICES,
-        false => SAMPLES_OF_A_TEXEL,
-    };
+    let of_a_texel =
+        if is_first && scene.quality.pass == Pass::Slices { SAMPLES_OF_FIRST_SLICES } else { SAMPLES_OF_A_TEXEL };
     let pays = side >= SIDES[0] && samples >= texels as f64 * of_a_texel;
     if pays { side.min(SIDES[1]) } else { 0 }
 }

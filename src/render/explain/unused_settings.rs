@@ -216,9 +216,10 @@ impl<'a> PictureComparer<'a> {
         let images = read.fingerprint.iter().flat_map(|(_, own)| &own.images);
         let images: Vec<u32> = images.map(|(image, _)| *image).collect();
         let reads = |image: GroomImage| read.program.image(image).is_some_and(|own| images.contains(&own));
-        match reads(GroomImage::Look) && !reads(GroomImage::Shape) {
-            true => Ok(Variant::of(&Scene { groom: None, ..scene.clone() }, self.library)?),
-            false => Ok(variant.clone()),
+        if reads(GroomImage::Look) && !reads(GroomImage::Shape) {
+            Ok(Variant::of(&Scene { groom: None, ..scene.clone() }, self.library)?)
+        } else {
+            Ok(variant.clone())
         }
     }
 

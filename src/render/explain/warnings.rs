@@ -50,9 +50,10 @@ pub fn loop_note(variant: &Variant) -> Option<String> {
     let speeds = objects().flat_map(|own| own.held_speeds(0.0).map(|(name, held)| (name, own.number(name), held)));
     let changed = speeds.filter(|(_, own, held)| (own - held).abs() > 1e-4 * own.abs());
     let mut notes: Vec<String> = changed.map(|(name, own, held)| format!("{name} = {own} runs at {held:.3}")).collect();
-    let why = match two_phases {
-        true => "noise fades into that of one loop before".to_string(),
-        false => format!("whole periods of the noise in {period} s"),
+    let why = if two_phases {
+        "noise fades into that of one loop before".to_string()
+    } else {
+        format!("whole periods of the noise in {period} s")
     };
     let drifts = two_phases && variant.slots.contains_key("phases");
     (drifts || !notes.is_empty()).then(|| {
@@ -178,12 +179,13 @@ fn thin_shell(scene: &Scene, subject: &Subject) -> Option<String> {
     (shell > 0.0 && shell < 2.0 * voxel).then(|| {
         let resolution = scene.object.resolution as f32;
         let (needed, most) = ((resolution * 2.0 * voxel / shell).ceil(), finest());
-        let remedy = match needed <= most {
-            true => format!("object.resolution = {needed} prevents them"),
-            false => format!(
+        let remedy = if needed <= most {
+            format!("object.resolution = {needed} prevents them")
+        } else {
+            format!(
                 "no resolution prevents them: a shell of {:.1e} needs the finest, {most}",
                 2.0 * voxel * resolution / most
-            ),
+            )
         };
         format!("object.shell = {shell} is less than two voxels ({:.2e}) and may have holes; {remedy}", 2.0 * voxel)
     })

@@ -64,9 +64,10 @@ impl BoundInputs {
         }
         let sampler = |(binding, filter): &(u32, Filter)| {
             let lacks_filters = !gpu.info().unfiltered.is_empty();
-            let made = match filter.reads_centers && lacks_filters {
-                true => Sampler::nearest(gpu, filter.address)?,
-                false => Sampler::new(gpu, filter.address, filter.anisotropy)?,
+            let made = if filter.reads_centers && lacks_filters {
+                Sampler::nearest(gpu, filter.address)?
+            } else {
+                Sampler::new(gpu, filter.address, filter.anisotropy)?
             };
             Ok((*binding, Arc::new(made)))
         };

@@ -37,11 +37,10 @@ fn check(scene: &Scene, view: &View) -> Result<(), RenderError> {
         view.object_matrix.transform_point3(Vec3::new(at(0), at(1), at(2)))
     };
     let from_light = (0..8).map(|index| corner(index) - view.light_eye);
-    match from_light.map(|ray| -ray.dot(view.axis) / ray.length()).fold(1.0, f32::min) > FLATTEST {
-        true => Ok(()),
-        false => {
-            Err(RenderError::HalfAngle("the light is inside of the scene or beside it", "move light.position away"))
-        }
+    if from_light.map(|ray| -ray.dot(view.axis) / ray.length()).fold(1.0, f32::min) > FLATTEST {
+        Ok(())
+    } else {
+        Err(RenderError::HalfAngle("the light is inside of the scene or beside it", "move light.position away"))
     }
 }
 

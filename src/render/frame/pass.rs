@@ -131,9 +131,10 @@ pub fn march(
     control: &mut SubmissionControl<'_>,
 ) -> Result<PassTiming, RenderError> {
     let into = Target { resolved: None, ..target };
-    let mut drawn = match control.budget.begin() {
-        true => PassTiming::begin(gpu, pipeline, set, None, into)?,
-        false => PassTiming { fragments: Some(0), ..Default::default() },
+    let mut drawn = if control.budget.begin() {
+        PassTiming::begin(gpu, pipeline, set, None, into)?
+    } else {
+        PassTiming { fragments: Some(0), ..Default::default() }
     };
     drawn.fragments = drawn.fragments.filter(|_| !pipeline.is_compute());
     let mut load = Load::Clear([0.0; 4]);
@@ -278,9 +279,10 @@ pub(crate) fn draw(
         BetweenSlices::Light(light) if stack.slices > 0 => light.begin(gpu)?,
         _ => 0.0,
     };
-    let mut drawn = match stack.slices > 0 && control.budget.begin() {
-        true => PassTiming::begin(gpu, pipeline, sets[0], Some(vertices), into)?,
-        false => PassTiming { fragments: Some(0), ..Default::default() },
+    let mut drawn = if stack.slices > 0 && control.budget.begin() {
+        PassTiming::begin(gpu, pipeline, sets[0], Some(vertices), into)?
+    } else {
+        PassTiming { fragments: Some(0), ..Default::default() }
     };
     drawn.first_use_ms += first_light_ms;
     let mut load = Load::Clear([0.0; 4]);

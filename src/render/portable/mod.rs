@@ -353,9 +353,10 @@ fn all_values(frame: &FrameContext, inputs: &Inputs) -> BTreeMap<String, Vec<f32
     let [width, height] = scene.image.size.map(|side| side as f32);
     let fit = (width / height).min(1.0);
     let is_parallel = scene.projection() == Projection::Parallel;
-    let half_height = match is_parallel {
-        true => view.ray_scale[1] * fit,
-        false => view.extent.distance * fit * (0.5 * camera.field_of_view.to_radians()).sin(),
+    let half_height = if is_parallel {
+        view.ray_scale[1] * fit
+    } else {
+        view.extent.distance * fit * (0.5 * camera.field_of_view.to_radians()).sin()
     };
     let turn = camera.rotation.map_or(Mat4::IDENTITY, |_| Mat4::from_quat(camera.turn()));
     let center = view.texture_matrix.transform_point3(view.center_eye);

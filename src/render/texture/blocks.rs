@@ -31,9 +31,10 @@ impl<'a> Channel<'a> {
 
 /// Scale and offset of a stored value, and scale of a stored slope, whose offset is 1/2.
 pub(crate) fn block_scales(absolute: bool) -> [f32; 3] {
-    match absolute {
-        false => [0.5, 0.5, (0.5 / NOISE_GRADIENT_BOUND) as f32],
-        true => [(1.0 / TURBULENCE_BOUND) as f32, 0.0, (0.5 / TURBULENCE_GRADIENT_BOUND) as f32],
+    if absolute {
+        [(1.0 / TURBULENCE_BOUND) as f32, 0.0, (0.5 / TURBULENCE_GRADIENT_BOUND) as f32]
+    } else {
+        [0.5, 0.5, (0.5 / NOISE_GRADIENT_BOUND) as f32]
     }
 }
 

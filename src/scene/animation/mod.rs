@@ -229,9 +229,10 @@ impl Scene {
     /// the objects has none left.
     pub fn moment(&self) -> Result<Cow<'_, Scene>, SceneError> {
         let still = self.still()?;
-        match still.parts.values().any(|part| part.hidden) {
-            true => Ok(Cow::Owned(still.into_owned().without_hidden()?)),
-            false => Ok(still),
+        if still.parts.values().any(|part| part.hidden) {
+            Ok(Cow::Owned(still.into_owned().without_hidden()?))
+        } else {
+            Ok(still)
         }
     }
 

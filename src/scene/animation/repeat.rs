@@ -22,10 +22,7 @@ impl Looped {
     /// The speed of a drift in the loop, if it is another: of whole periods, or so that two phases are not alike.
     pub(crate) fn speed(&self, drift: &Drift, value: impl Fn(&str) -> f32) -> Option<f32> {
         let cells = self.cells[usize::from(drift.of_turbulence)]?;
-        match self.two_phases {
-            true => drift.apart(self.period, cells, value),
-            false => drift.whole(self.period, cells, value),
-        }
+        if self.two_phases { drift.apart(self.period, cells, value) } else { drift.whole(self.period, cells, value) }
     }
 }
 

@@ -101,9 +101,8 @@ impl<const OBJECT: bool> Args for Flags<OBJECT> {
     fn augment_args(command: Command) -> Command {
         // A command's own flag takes precedence, such as --grid of `mesh`; the setting is given by --set.
         let is_taken = |command: &Command, flag: Flag| command.get_arguments().any(|own| own.get_id() == flag.name);
-        Self::settings().fold(command, |command, (setting, flag)| match is_taken(&command, flag) {
-            true => command,
-            false => command.arg(argument(setting, flag)),
+        Self::settings().fold(command, |command, (setting, flag)| {
+            if is_taken(&command, flag) { command } else { command.arg(argument(setting, flag)) }
         })
     }
 

@@ -57,9 +57,10 @@ pub(crate) fn run(command: &Bench, options: &Options, quiet: bool) -> Result<(),
     }
     let saved = command.baseline.as_deref().map(read).transpose()?;
     let library = bench::library();
-    let groups = match command.stages {
-        true => bench::stages(command.quick, &command.rows)?,
-        false => bench::suite(&library, command.quick, &command.rows)?,
+    let groups = if command.stages {
+        bench::stages(command.quick, &command.rows)?
+    } else {
+        bench::suite(&library, command.quick, &command.rows)?
     };
     if groups.is_empty() {
         return Err(format!(
@@ -80,9 +81,10 @@ pub(crate) fn run(command: &Bench, options: &Options, quiet: bool) -> Result<(),
         progress(0.0);
         bench::measure(gpu, &|| Gpu::new(options), &library, &groups, repeats, &|part| progress(part), &stop)
     });
-    match is_printed {
-        true => say_json(&found)?,
-        false => say(&bench::table(&found)),
+    if is_printed {
+        say_json(&found)?;
+    } else {
+        say(&bench::table(&found));
     }
     if let Some(path) = file {
         write_whole(path, serde_json::to_string_pretty(&found)?.as_bytes())

@@ -175,9 +175,10 @@ fn saved(saves: &str, times: &[f64], others: &[f64]) -> String {
         }
         return format!("{saves} {} %", interval([1.0 - most / least_other, 1.0 - least / most_other]));
     }
-    match spread <= STEADY * least.min(least_other) {
-        true => format!("{saves} nothing beyond the spread"),
-        false => format!("{saves} an amount that cannot be measured now, as something else slows the device down"),
+    if spread <= STEADY * least.min(least_other) {
+        format!("{saves} nothing beyond the spread")
+    } else {
+        format!("{saves} an amount that cannot be measured now, as something else slows the device down")
     }
 }
 

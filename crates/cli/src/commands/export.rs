@@ -146,11 +146,10 @@ fn write_page(
     let flag = if is_single { " --single-file" } else { "" };
     let line = format!("{line}{flag} -o {}", path.file_name().unwrap_or_default().to_string_lossy());
     let files = page(&portable, &Page { title, command: &line, picture: &picture, is_single })?;
-    match is_single {
-        true => {
-            write(Path::new(""), &[(path.to_string_lossy().into(), files.into_iter().next().unwrap_or_default().1)])?
-        }
-        false => write(path, &files)?,
+    if is_single {
+        write(Path::new(""), &[(path.to_string_lossy().into(), files.into_iter().next().unwrap_or_default().1)])?;
+    } else {
+        write(path, &files)?;
     }
     let shown = if is_single { path.to_path_buf() } else { path.join("index.html") };
     say_written(&shown, fault, quiet)

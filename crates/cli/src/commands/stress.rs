@@ -75,9 +75,10 @@ pub(crate) fn conclude(report: &Report, gpu: &Gpu, quiet: bool) -> Result<(), Bo
         let device = gpu.info().title();
         say(&format!("{}{} of {all} rows hold on {device}\n", cases::table(report), all - failed.len()));
     }
-    match failed.is_empty() {
-        true => Ok(()),
-        false => Err(Failed(format!("{} of {all} rows fail: {}", failed.len(), failed.join("; "))).into()),
+    if failed.is_empty() {
+        Ok(())
+    } else {
+        Err(Failed(format!("{} of {all} rows fail: {}", failed.len(), failed.join("; "))).into())
     }
 }
 
@@ -97,18 +98,16 @@ fn scene(command: &Stress, input: &str, options: &Options, quiet: bool) -> Resul
         let words: Vec<String> = words.chain(set(worst)).chain(shown).map(|word| quoted(&word)).collect();
         say(&format!("worst: {}\n  hypertexture render {}\n", verdict(worst), words.join(" ")));
     }
-    match found.ok() {
-        true => Ok(()),
-        false => {
-            let corners = found.corners.iter().chain(&found.worst).filter(|corner| !corner.ok);
-            let corners =
-                corners.map(|corner| format!("{}: {}", set(corner).collect::<Vec<_>>().join(" "), corner.why));
-            let accepted = found.accepted.iter();
-            let accepted = accepted.map(|(name, value)| format!("{name} = {value} is out of range, and accepted"));
-            let changed = found.equivalences.iter().filter(|row| !row.ok);
-            let changed = changed.map(|row| format!("{}: another picture, {}", row.setting, row.what));
-            Err(Failed(corners.chain(changed).chain(accepted).collect::<Vec<_>>().join("; ")).into())
-        }
+    if found.ok() {
+        Ok(())
+    } else {
+        let corners = found.corners.iter().chain(&found.worst).filter(|corner| !corner.ok);
+        let corners = corners.map(|corner| format!("{}: {}", set(corner).collect::<Vec<_>>().join(" "), corner.why));
+        let accepted = found.accepted.iter();
+        let accepted = accepted.map(|(name, value)| format!("{name} = {value} is out of range, and accepted"));
+        let changed = found.equivalences.iter().filter(|row| !row.ok);
+        let changed = changed.map(|row| format!("{}: another picture, {}", row.setting, row.what));
+        Err(Failed(corners.chain(changed).chain(accepted).collect::<Vec<_>>().join("; ")).into())
     }
 }
 

@@ -82,9 +82,10 @@ fn picture(image: &Path, command: &Verify, options: &Options, quiet: bool) -> Re
     let (variant, library) = checked(&scene).map_err(|error| format!("{}: {error}", image.display()))?;
     try_in_sandbox(&variant, &library, Some(options))?;
     // Picture and reference may share a fault of a module.
-    let module = match own_files(&variant, &library)?.is_empty() {
-        true => None,
-        false => find_module_fault(&library, &variant, &Subject::load(&variant, &library, &|_| ())?)?,
+    let module = if own_files(&variant, &library)?.is_empty() {
+        None
+    } else {
+        find_module_fault(&library, &variant, &Subject::load(&variant, &library, &|_| ())?)?
     };
     let gpu = Gpu::new(options)?;
     let asked = CheckOptions { pixels: command.pixels, seed: command.seed, bound: command.bound, reach };

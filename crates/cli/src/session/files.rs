@@ -12,17 +12,23 @@ pub(crate) fn check_folder(folder: &Path) -> Result<(), String> {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
         _ => probe(existing),
     };
-    possible.map_err(|error| match existing.is_dir() {
-        true => format!("{}: {error}; nothing was written", folder.display()),
-        false => format!("{}: it is a file; name a folder; nothing was written", existing.display()),
+    possible.map_err(|error| {
+        if existing.is_dir() {
+            format!("{}: {error}; nothing was written", folder.display())
+        } else {
+            format!("{}: it is a file; name a folder; nothing was written", existing.display())
+        }
     })
 }
 
 /// The folder of the report, made and written into before the measurements, so that none is lost.
 pub(crate) fn make_folder(folder: &Path) -> Result<(), String> {
-    let fail = |error: io::Error| match folder.is_dir() || !folder.exists() {
-        true => format!("{}: {error}; nothing was written", folder.display()),
-        false => format!("{}: it is a file; name a folder; nothing was written", folder.display()),
+    let fail = |error: io::Error| {
+        if folder.is_dir() || !folder.exists() {
+            format!("{}: {error}; nothing was written", folder.display())
+        } else {
+            format!("{}: it is a file; name a folder; nothing was written", folder.display())
+        }
     };
     std::fs::create_dir_all(folder).map_err(fail)?;
     probe(folder).map_err(fail)

@@ -62,9 +62,10 @@ fn fitted(line: &str) -> String {
     let length = |text: &str| text.chars().count();
     let without_middle = |text: &str, [first, last]: [usize; 2]| -> String {
         let all = length(text);
-        match all > first + last {
-            true => text.chars().take(first).chain("...".chars()).chain(text.chars().skip(all - last)).collect(),
-            false => text.into(),
+        if all > first + last {
+            text.chars().take(first).chain("...".chars()).chain(text.chars().skip(all - last)).collect()
+        } else {
+            text.into()
         }
     };
     if length(line) <= LONGEST_LINE {

@@ -42,9 +42,10 @@ fn follow<T>(quiet: bool, what: &'static str, announce: bool, run: impl FnOnce(P
     if quiet {
         return run(&|_| ());
     }
-    match std::io::stderr().is_terminal() {
-        true => with_bar(what, run),
-        false => with_lines((what, PERIOD), announce, &|line| complain(&line), run),
+    if std::io::stderr().is_terminal() {
+        with_bar(what, run)
+    } else {
+        with_lines((what, PERIOD), announce, &|line| complain(&line), run)
     }
 }
 

@@ -163,9 +163,10 @@ pub fn candidates(scene: &Scene, library: &Library, sweep: &Sweep) -> Result<Vec
             }
         }
     }
-    match found.is_empty() {
-        true => Err(CompareError::Nothing),
-        false => Ok(found.into_iter().map(|(_, candidate)| candidate).collect()),
+    if found.is_empty() {
+        Err(CompareError::Nothing)
+    } else {
+        Ok(found.into_iter().map(|(_, candidate)| candidate).collect())
     }
 }
 

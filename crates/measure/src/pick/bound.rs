@@ -135,9 +135,10 @@ impl Kept {
     fn advice(self, all: bool) -> String {
         let Kept { error, by_proof } = self;
         let all = if all { ", which holds for all of them" } else { "" };
-        let open = match by_proof > error {
-            true => format!(", as far as samples see ({:.1e} with all that bounds leave open)", rounded_up(by_proof)),
-            false => String::new(),
+        let open = if by_proof > error {
+            format!(", as far as samples see ({:.1e} with all that bounds leave open)", rounded_up(by_proof))
+        } else {
+            String::new()
         };
         format!("{error:e} can be kept: allow that{all}{open}, or ")
     }
@@ -155,8 +156,9 @@ impl From<CompareError> for PickError {
 
 /// An error, with the share of the reference if that is above a tenth.
 fn known(error: f64, own: f64) -> String {
-    match own > 0.1 * error {
-        true => format!("{:.1e}, of which the truth may be wrong by {own:.1e} itself", rounded_up(error)),
-        false => format!("{:.1e}", rounded_up(error)),
+    if own > 0.1 * error {
+        format!("{:.1e}, of which the truth may be wrong by {own:.1e} itself", rounded_up(error))
+    } else {
+        format!("{:.1e}", rounded_up(error))
     }
 }

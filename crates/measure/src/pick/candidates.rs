@@ -48,9 +48,10 @@ pub(super) fn families(scene: &Scene, library: &Library, error: f64, filters: bo
             families.kept.push(candidate);
         }
     }
-    match families.kept.is_empty() && families.left_out == 0 {
-        true => Err(refused.unwrap_or(CompareError::Nothing)),
-        false => Ok(families),
+    if families.kept.is_empty() && families.left_out == 0 {
+        Err(refused.unwrap_or(CompareError::Nothing))
+    } else {
+        Ok(families)
     }
 }
 

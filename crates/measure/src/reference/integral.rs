@@ -416,9 +416,12 @@ mod tests {
     #[test]
     fn extinction_that_grows_without_bound_ends_in_the_surface() {
         // -c ln u with u falling to 0 at the surface: its integral to there is c, and light exp(-c) reaches it.
-        let (light, error) = integrate(1.3, 16, |t| match t < 1.0 {
-            true => Matter { color: [0.0; 3], extinction: -2.0 * (1.0 - t).ln() },
-            false => Matter { color: [1.0; 3], extinction: f64::INFINITY },
+        let (light, error) = integrate(1.3, 16, |t| {
+            if t < 1.0 {
+                Matter { color: [0.0; 3], extinction: -2.0 * (1.0 - t).ln() }
+            } else {
+                Matter { color: [1.0; 3], extinction: f64::INFINITY }
+            }
         });
         assert!((light.color[0] - (-2.0f64).exp()).abs() < 1e-7, "{light:?}");
         assert_eq!(light.transmittance, 0.0);

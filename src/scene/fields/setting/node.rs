@@ -113,9 +113,10 @@ impl<T: Leaf> Node for T {
     }
 
     fn changes(&self, other: &T, setting: Option<&Setting>) -> ChangeSet {
-        match self == other {
-            true => ChangeSet::default(),
-            false => ChangeSet::of(&[setting.map_or(T::CHANGES, |setting| setting.changes)]),
+        if self == other {
+            ChangeSet::default()
+        } else {
+            ChangeSet::of(&[setting.map_or(T::CHANGES, |setting| setting.changes)])
         }
     }
 

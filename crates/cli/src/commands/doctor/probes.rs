@@ -138,15 +138,16 @@ fn nan(bench: &Bench<'_>) -> Result<Outcome, ProbeError> {
     let found = bench.draw(&run)?.0[0];
     let named = ["0 / 0", "inf - inf", "NaN * 0"].iter().zip(found);
     let folded: Vec<&str> = named.filter(|(_, survives)| *survives == 0.0).map(|(name, _)| *name).collect();
-    Ok(match folded.is_empty() {
-        true => ("PASS", "0 / 0, inf - inf and NaN * 0 are NaN in a shader".into()),
-        false => (
+    Ok(if folded.is_empty() {
+        ("PASS", "0 / 0, inf - inf and NaN * 0 are NaN in a shader".into())
+    } else {
+        (
             "NOTE",
             format!(
                 "{} give a number in a shader; modules guard their inputs, and every picture is checked outside",
                 folded.join(", ")
             ),
-        ),
+        )
     })
 }
 
@@ -161,8 +162,9 @@ fn timestamps(bench: &Bench<'_>) -> Result<Outcome, ProbeError> {
     let measured = format!("{:.2} ms on the device, {:.2} ms by the wall clock", took.gpu_ms, took.wall_ms);
     // Starting and waiting cost the wall clock up to a few milliseconds; the device cannot take longer.
     let plausible = took.gpu_ms > 0.0 && took.gpu_ms < 1.05 * took.wall_ms && took.wall_ms < 2.0 * took.gpu_ms + 10.0;
-    Ok(match plausible {
-        true => ("PASS", measured),
-        false => ("NOTE", format!("{measured}; trust `in all` of a summary, not `on the device`")),
+    Ok(if plausible {
+        ("PASS", measured)
+    } else {
+        ("NOTE", format!("{measured}; trust `in all` of a summary, not `on the device`"))
     })
 }

@@ -26,17 +26,16 @@ pub(crate) fn write_error_map(picture: &Picture<'_>, frame: &Frame, path: &Path)
     let off: Vec<[f64; 4]> = (frame.pixels.iter().zip(&known.pixels))
         .map(|(found, known)| std::array::from_fn(|c| (f64::from(found[c]) - known[c]).abs()))
         .collect();
-    match path.extension().is_some_and(|end| end.eq_ignore_ascii_case("png")) {
-        true => write_whole(path, &heat_png(&frame.pixels, &known.pixels, frame.size))
-            .map_err(|error| format!("{}: {error}; nothing was written", path.display()))?,
-        false => {
-            let of = |c: usize| off.iter().map(|off| off[c] as f32).collect::<Vec<f32>>();
-            let [estimate, open] =
-                [&known.estimate, &known.open].map(|values| values.iter().map(|value| *value as f32).collect());
-            let own = [("estimate", estimate), ("open", open)];
-            let channels = [("R", of(0)), ("G", of(1)), ("B", of(2)), ("A", of(3))].into_iter().chain(own);
-            write_map(path, frame.size, &channels.collect::<Vec<_>>())?;
-        }
+    if path.extension().is_some_and(|end| end.eq_ignore_ascii_case("png")) {
+        write_whole(path, &heat_png(&frame.pixels, &known.pixels, frame.size))
+            .map_err(|error| format!("{}: {error}; nothing was written", path.display()))?;
+    } else {
+        let of = |c: usize| off.iter().map(|off| off[c] as f32).collect::<Vec<f32>>();
+        let [estimate, open] =
+            [&known.estimate, &known.open].map(|values| values.iter().map(|value| *value as f32).collect());
+        let own = [("estimate", estimate), ("open", open)];
+        let channels = [("R", of(0)), ("G", of(1)), ("B", of(2)), ("A", of(3))].into_iter().chain(own);
+        write_map(path, frame.size, &channels.collect::<Vec<_>>())?;
     }
     let worst = |off: &[f64; 4]| largest(*off);
     let at = (0..off.len()).max_by(|a, b| worst(&off[*a]).total_cmp(&worst(&off[*b]))).unwrap_or(0);

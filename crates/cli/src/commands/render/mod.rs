@@ -191,10 +191,12 @@ pub(crate) fn render(
     let (input, outputs) = (command.input.as_str(), &plan.outputs);
     let preparation = Preparation { input, outputs, device: Some(options), serves_all_moments: false, quiet };
     let prepared = scene.prepare(&preparation)?;
-    let tell = match command.is_piped() && !command.predict {
-        _ if quiet || command.json => silent,
-        true => aside,
-        false => say,
+    let tell: fn(&str) = if quiet || command.json {
+        silent
+    } else if command.is_piped() && !command.predict {
+        aside
+    } else {
+        say
     };
     let mut object = with_device(options, |gpu| draw(command, &plan, &prepared, (gpu, options), (quiet, tell)))?;
     let fault = prepared.fault.as_ref();
@@ -345,12 +347,13 @@ fn explain(pick: &Pick, bound: ErrorBound) -> String {
     };
     let below = rounded_up(error).min(bound.error);
     // Matter that no sample of the reference met is in the figure by proof alone.
-    let beyond = match pick.unverified.is_none() && pick.verified.by_proof() > bound.error {
-        true => format!(
+    let beyond = if pick.unverified.is_none() && pick.verified.by_proof() > bound.error {
+        format!(
             " of what samples meet, and {:.1e} with all that bounds leave open",
             rounded_up(pick.verified.by_proof())
-        ),
-        false => String::new(),
+        )
+    } else {
+        String::new()
     };
     text += &format!("error      {} at most {below:e}{beyond}, asked for {:e}; {by}\n", bound.metric, bound.error);
     text += &format!(

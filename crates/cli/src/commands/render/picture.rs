@@ -68,13 +68,12 @@ pub(crate) fn render_picture(picture: &Picture<'_>, drawn: Option<Frame>) -> Res
     };
     let provenance = picture.provenance(scene, &frame)?;
     let (background, depth) = (scene.image.background, picture.depth());
-    match output == Path::new(STANDARD_OUTPUT) {
-        true => {
-            let png = encode_png(&frame, background, depth, &provenance)?;
-            let mut out = std::io::stdout().lock();
-            out.write_all(&png).and_then(|()| out.flush()).map_err(|error| format!("standard output: {error}"))?;
-        }
-        false => write(&frame, background, depth, &provenance, output)?,
+    if output == Path::new(STANDARD_OUTPUT) {
+        let png = encode_png(&frame, background, depth, &provenance)?;
+        let mut out = std::io::stdout().lock();
+        out.write_all(&png).and_then(|()| out.flush()).map_err(|error| format!("standard output: {error}"))?;
+    } else {
+        write(&frame, background, depth, &provenance, output)?;
     }
     if !quiet {
         tell(&summary(picture, &frame));
@@ -139,12 +138,10 @@ fn remedies(scene: &Scene, field: &DistanceField, voxel: f32) -> String {
     });
     let shell = (2.0 * voxel <= thickest).then(|| format!("a shell around its surface by --shell {:.2e}", 2.0 * voxel));
     let all: Vec<String> = resolution.into_iter().chain(shell).collect();
-    match all.is_empty() {
-        true => {
-            "write it with several voxels across its thinnest side, or thicken it in the program that it comes from"
-                .into()
-        }
-        false => all.join(", or "),
+    if all.is_empty() {
+        "write it with several voxels across its thinnest side, or thicken it in the program that it comes from".into()
+    } else {
+        all.join(", or ")
     }
 }
 

@@ -162,14 +162,10 @@ pub fn figure(session: Session<'_>, comparison: &Comparison, failures: &mut Vec<
         scene.camera.zoom *= CLOSER;
         scene.quality.target = TargetFormat::Float32; // as it looks, not as 8 bits lose it
         scene.quality.samples = comparison.scene.quality.samples;
-        let drawn = match scene.quality.block_size == comparison.scene.quality.block_size {
-            true => module.into(),
-            false => {
-                format!(
-                    "{module}, a block of {} texels, {} cell",
-                    scene.quality.block_size, scene.quality.turbulence_cells
-                )
-            }
+        let drawn = if scene.quality.block_size == comparison.scene.quality.block_size {
+            module.into()
+        } else {
+            format!("{module}, a block of {} texels, {} cell", scene.quality.block_size, scene.quality.turbulence_cells)
         };
         match session.painter().render(&scene) {
             Ok(frame) => crops.push(Crop { caption, drawn, frame }),

@@ -66,9 +66,12 @@ pub fn hash(scene: &Scene) -> String {
 
 /// The words behind the name of the program as a command line for `sh`, files without the folders that they lie in.
 pub fn command_line(words: impl Iterator<Item = String>) -> String {
-    let without_folders = |word: String| match Path::new(&word).exists() {
-        true => file_name(&word),
-        false => word.split_inclusive(['=', '+', ',']).map(last_part).collect(),
+    let without_folders = |word: String| {
+        if Path::new(&word).exists() {
+            file_name(&word)
+        } else {
+            word.split_inclusive(['=', '+', ',']).map(last_part).collect()
+        }
     };
     let words = words.map(|word| quoted(&without_folders(word)));
     ["hypertexture".into()].into_iter().chain(words).collect::<Vec<_>>().join(" ")
