@@ -22,13 +22,13 @@ const OPERATIONS: u64 = 1 << 25;
 /// Budget of scalar operations with the range of f32, which are several times slower.
 const SINGLE_OPERATIONS: u64 = OPERATIONS / 8;
 /// Visible difference between f32 and f64, linear light.
-const SHOWS: f64 = 0.01;
+const VISIBLE_DIFFERENCE: f64 = 0.01;
 /// Quads in a batch: few at first, in case a loop is endless, then the lanes of a block.
 const BATCH: [u32; 2] = [2, 16];
 /// A second initial value of variables without one, in place of 0: it shows where an unwritten element is read.
 const OTHER_FILL: f64 = 1013.0;
 /// Largest number of parameters in a message.
-const NAMED: usize = 8;
+const MAX_NAMED: usize = 8;
 
 /// Advice for a [`ModuleFault`].
 pub const FINITE: &str = "keep what it computes finite, such as log(max(x, 1e-6))";
@@ -122,7 +122,11 @@ fn with(library: &Library, variant: &Variant, path: &str) -> String {
         .collect();
     match values.len() {
         0 => String::new(),
-        count => format!(" with {}{}", values[..count.min(NAMED)].join(", "), if count > NAMED { ", ..." } else { "" }),
+        count => format!(
+            " with {}{}",
+            values[..count.min(MAX_NAMED)].join(", "),
+            if count > MAX_NAMED { ", ..." } else { "" }
+        ),
     }
 }
 
@@ -369,7 +373,7 @@ type Outputs = BTreeMap<u32, Vec<[f64; 4]>>;
 fn shows(outputs: &Outputs, singles: &Outputs, lane: usize) -> bool {
     outputs.iter().filter(|(location, _)| **location != FAULTS).any(|(location, all)| {
         let pairs = all[lane].iter().zip(&singles[location][lane]);
-        pairs.map(|(known, found)| (known - found).abs()).any(|off| off.is_nan() || off > SHOWS)
+        pairs.map(|(known, found)| (known - found).abs()).any(|off| off.is_nan() || off > VISIBLE_DIFFERENCE)
     }) || singles.get(&FAULTS).is_some_and(|faults| faults[lane][0] > 0.0)
 }
 

@@ -26,7 +26,7 @@ const FAR: f64 = 2500.0;
 /// Radius of an object with its soft region and warps, about, object units.
 const OBJECT: f64 = 2.5;
 /// Largest angle between the axis of view and the scene, as its tangent, at which the rays of a far eye count as along the axis.
-const ASIDE: f64 = 4e-4;
+const MAX_OFF_AXIS: f64 = 4e-4;
 
 impl Camera {
     /// Sets the matrices of an engine. `view` maps object space (the object spans -1 to 1, see
@@ -121,11 +121,11 @@ impl Scene {
             return Ok(Some(lens));
         }
         let aside = at.truncate() / distance;
-        if aside.length() > ASIDE {
+        if aside.length() > MAX_OFF_AXIS {
             let limit = format!(
                 "from {distance:.1e} object units away, must have the object within {:.0e} of that beside the axis of view: \
                  f32 holds no rays of an eye beyond {:.0}; turn the view to the object, or bring the eye nearer",
-                ASIDE,
+                MAX_OFF_AXIS,
                 FAR * radius
             );
             return Err(SceneError::value(

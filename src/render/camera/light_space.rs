@@ -8,10 +8,10 @@ use std::f32::consts::{PI, SQRT_2};
 
 /// Largest distance of a light, radii of the scene. Higher: f32 loses places along a ray. Lower: shadows of a distant
 /// light spread visibly; at this distance by a third of a percent.
-const FARTHEST: f32 = 300.0;
+const MAX_LIGHT_DISTANCE: f32 = 300.0;
 /// Largest angle of a scene's corner from the axis of the light, degrees, at which the light is surely outside the
 /// scene. Beyond it, rays leave the light in all directions.
-const WIDEST: f32 = 80.0;
+const MAX_LIGHT_ANGLE: f32 = 80.0;
 /// Largest number of samples of a light ray in a texel. Lower: thin matter casts no shadow. Higher: slower in
 /// proportion. Pixels of the reference of `tank` at 64 x 64 differ between 16 and 64 samples by 8e-6 (root mean square)
 /// and 6e-4 at most; between 8 and 64 by 5e-4 and 0.04.
@@ -49,13 +49,13 @@ impl LightSpace {
         let center = view.object_matrix.transform_point3(0.5 * (view.box_min + view.box_max));
         let radius = corners.iter().map(|corner| corner.distance(center)).fold(0.0, f32::max);
         let away = view.light_eye - center;
-        let light = center + away * (FARTHEST * radius / away.length()).min(1.0);
+        let light = center + away * (MAX_LIGHT_DISTANCE * radius / away.length()).min(1.0);
         let axis = (center - light).normalize_or(Vec3::NEG_Z);
         let turn = Mat4::from_quat(Quat::from_rotation_arc(axis, Vec3::Z));
         let matrix = turn * Mat4::from_translation(-light);
         let seen = corners.map(|corner| matrix.transform_point3(corner));
         let angle = seen.iter().map(|p| p.truncate().length().atan2(p.z)).fold(0.0, f32::max);
-        let outside = angle < WIDEST.to_radians();
+        let outside = angle < MAX_LIGHT_ANGLE.to_radians();
         // The nearest corner of a box along the axis is at most as far as its nearest point.
         let near = if outside { seen.iter().map(|p| p.z).fold(f32::INFINITY, f32::min).max(0.0) } else { 0.0 };
         let far = seen.iter().map(|p| p.length()).fold(0.0, f32::max).max(near + 1e-3);

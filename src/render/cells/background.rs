@@ -16,11 +16,11 @@ use std::thread::{self, JoinHandle};
 
 /// Seconds before and after the current time that proofs cover while time moves. Higher: fewer empty cells where matter
 /// has a long period. Lower: more pictures without cells.
-const AROUND: f32 = 60.0;
+const PROVEN_SECONDS: f32 = 60.0;
 /// Lowest number of pictures that share a proof.
-const SHARED: u32 = 64;
+const MIN_SHARING: u32 = 64;
 /// Largest ratio of a camera's distance to that of the camera that cells are proven for.
-const FARTHER: f64 = 4.0;
+const MAX_DISTANCE_RATIO: f64 = 4.0;
 
 /// Proof thread and the latest proven cells.
 pub(crate) struct BackgroundCells {
@@ -85,7 +85,7 @@ impl BackgroundCells {
         let holds = |proven: &Proven| proven.holds(frame, values, time);
         let held = self.proven.as_ref().map(holds).transpose()?.unwrap_or(false);
         if !held || rests && self.proven.as_ref().is_some_and(|proven| !proven.is_best) {
-            let times = if rests { [time; 2] } else { [time - AROUND, time + AROUND] };
+            let times = if rests { [time; 2] } else { [time - PROVEN_SECONDS, time + PROVEN_SECONDS] };
             self.start(gpu, frame, values, times, images);
         }
         let Some(proven) = self.proven.as_mut().filter(|_| held) else { return Ok(None) };
@@ -137,7 +137,7 @@ impl BackgroundCells {
             _ => return,
         };
         let is_cpu = gpu.info().cpu;
-        if side(is_cpu, frame, texels, false, SHARED) == 0 {
+        if side(is_cpu, frame, texels, false, MIN_SHARING) == 0 {
             return;
         }
         let unmade = ProverThread::Idle(CellProver::Idle(texels));
@@ -176,14 +176,14 @@ impl Job {
         stop: &dyn Fn() -> bool,
     ) -> Result<(CellProver, Option<Proven>), RenderError> {
         let frame = &self.frame;
-        let side_of = |texels| side(self.is_cpu, frame, texels, false, SHARED);
+        let side_of = |texels| side(self.is_cpu, frame, texels, false, MIN_SHARING);
         if let CellProver::Idle(_) = prover {
             let image_of = |name: &str| self.images.get(name).cloned();
             prover = CellProver::new(&self.library, frame, &image_of, |texels| side_of(texels) > 0)?;
         }
         prover.wait(stop)?;
         let CellProver::Ready(bounded) = &mut prover else { return Ok((prover, None)) };
-        let boxes = CellGrid::of(frame, side_of(bounded.texels)).wider(FARTHER);
+        let boxes = CellGrid::of(frame, side_of(bounded.texels)).wider(MAX_DISTANCE_RATIO);
         if boxes.side == 0 {
             return Ok((prover, None));
         }

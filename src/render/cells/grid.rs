@@ -24,7 +24,7 @@ const SAMPLES: f64 = 400.0;
 /// Lowest number of samples for each cell on a GPU, which draws much faster than the CPU proves.
 const SAMPLES_OF_A_GPU: f64 = 100.0 * SAMPLES;
 /// Largest number of sharing pictures that refines the cells. Higher: playback pauses for proofs.
-const SHARED: u32 = 8;
+const MAX_SHARING: u32 = 8;
 /// Lowest number of samples for each texel that bounds read. Lower: small pictures of large volumes wait for bounds.
 const SAMPLES_OF_A_TEXEL: f64 = 2.0;
 /// Lowest number of samples for each texel for the first picture of slices, which gains less than rays and may be the
@@ -248,7 +248,7 @@ pub(super) fn side(is_cpu: bool, frame: &FrameContext, texels: u64, is_first: bo
         width * height * f64::from(frame.planes.count) * f64::from(scene.quality.supersampling) * unskipped(frame);
     let of_a_cell = if is_cpu { SAMPLES } else { SAMPLES_OF_A_GPU };
     // Sub-frames of an exposure count as samples.
-    let shared = if scene.camera.shutter > 0.0 { 1 } else { pictures.min(SHARED) };
+    let shared = if scene.camera.shutter > 0.0 { 1 } else { pictures.min(MAX_SHARING) };
     let levels = (samples * f64::from(shared) / of_a_cell).cbrt().log2().floor().clamp(0.0, 8.0);
     let side = 1 << levels as u32;
     let of_a_texel =

@@ -26,7 +26,7 @@ const MARGIN: f64 = 1e-3;
 /// Rounding error of a sample position, relative to its distance from the eye.
 const PLACE: f64 = 1e-6;
 /// Always refine to 16^3 cells; refine further only if at least 1 in 32 boxes was empty.
-const TRIED: u32 = 16;
+const FREE_SIDE: u32 = 16;
 const LEAST_FOUND: usize = 32;
 /// Largest number of scalar operations for finer boxes: some seconds.
 const OPERATIONS: u64 = 4_000_000_000;
@@ -267,7 +267,7 @@ impl BoundedProgram {
                     next.extend(children(*cell, 2));
                 }
             }
-            let vain = side >= TRIED && found * LEAST_FOUND < open.len();
+            let vain = side >= FREE_SIDE && found * LEAST_FOUND < open.len();
             if next.is_empty() || vain || of_a_box * next.len() as u64 > OPERATIONS {
                 return Ok(Some(empty));
             }

@@ -7,7 +7,7 @@
 const MAX_PICTURES: u32 = 64;
 /// Lowest share of the cells empty at one moment that must be empty over a span. Lower: rays take samples that shorter
 /// spans would save. Higher: more proofs.
-const KEPT: f32 = 0.95;
+const MIN_KEPT_SHARE: f32 = 0.95;
 
 /// Validity of the current proof, and the length of the next.
 #[derive(Debug, Default)]
@@ -57,7 +57,7 @@ impl TimeSpan {
     pub(super) fn take(&mut self, timeless: Vec<u8>, times: [f32; 2], empty: f32) {
         self.made_for = self.to_share(times);
         self.pictures = match times[0] < times[1] {
-            true if empty >= KEPT * self.at_once => (2 * self.pictures).min(MAX_PICTURES),
+            true if empty >= MIN_KEPT_SHARE * self.at_once => (2 * self.pictures).min(MAX_PICTURES),
             true => self.pictures / 2,
             false => 2,
         };

@@ -161,7 +161,7 @@ pub struct Along {
 }
 
 /// Tolerance for constants of noise in f32, which bounds and f64 round differently.
-const ROUNDED: f64 = 1e-6;
+const ROUNDING: f64 = 1e-6;
 
 /// The line of sight through the middle of a pixel, in object space.
 struct Sight {
@@ -282,7 +282,7 @@ pub fn density_along(
         .map(|(depth, density)| Along { depth: depth * sight.unit, density, range: [density; 2] })
         .collect();
     for (index, range) in program.between(&all)?.into_iter().enumerate() {
-        let range = [range.lo - ROUNDED, range.hi + ROUNDED];
+        let range = [range.lo - ROUNDING, range.hi + ROUNDING];
         along[index].range = match [index, index + 1].map(|end| kept(&all[end])) {
             [true, true] => range,
             [false, false] => [0.0; 2],

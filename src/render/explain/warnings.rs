@@ -12,13 +12,13 @@ use crate::shape::{self, Shape, Solid};
 use glam::Vec3;
 
 /// Invisible opacity: half a code of 8 bits.
-const UNSEEN: f32 = 1.0 / 510.0;
+const INVISIBLE_OPACITY: f32 = 1.0 / 510.0;
 /// Sufficient density of a core; samples do not hit the exact deepest place.
 const CORE: f32 = 0.75;
 /// Quantization of a distance that shows in normals, in voxels: 8 bits over four voxels to each side.
 const TERRACE: f32 = 0.016;
 /// Ratio of the sides of a voxel from which its length shows.
-const LONG: f32 = 10.0;
+const LONG_VOXEL: f32 = 10.0;
 
 /// Warnings on a picture, one line each.
 pub fn warnings(m: &Measurements, variant: &Variant, subject: &Subject, library: &Library) -> Vec<String> {
@@ -116,10 +116,10 @@ fn lost_in_target(m: &Measurements, scene: &Scene) -> Option<String> {
     let (unit, name) = match scene.quality.target {
         TargetFormat::Float32 => return None,
         TargetFormat::Float16 => (2f32.powi(-11), "float16"),
-        TargetFormat::Unorm8 => (UNSEEN, "unorm8"),
+        TargetFormat::Unorm8 => (INVISIBLE_OPACITY, "unorm8"),
     };
     let lost = (unit * m.slices as f32).min(1.0);
-    (scene.quality.pass == Pass::Slices && lost > UNSEEN).then(|| {
+    (scene.quality.pass == Pass::Slices && lost > INVISIBLE_OPACITY).then(|| {
         format!(
             "{} slices blended in {name} may lose up to {lost:.2} of the opacity of thin matter; float32 holds it",
             m.slices
@@ -143,7 +143,7 @@ fn long_voxels(scene: &Scene, subject: &Subject) -> Option<String> {
     let stretch = Vec3::from(scene.object.stretch);
     let sides = subject.field.as_ref()?.grid.spacing * stretch;
     let ratio = sides.max_element() / sides.min_element();
-    (stretch != Vec3::ONE && ratio > LONG).then(|| {
+    (stretch != Vec3::ONE && ratio > LONG_VOXEL).then(|| {
         format!(
             "object.stretch = {:?} makes each voxel of the field {ratio:.0} times as long along one axis as along another, \
              and detail along that axis is lost; a file of the stretched object has cubes for voxels",

@@ -25,7 +25,7 @@ const PART: u32 = 8;
 /// Runs of each way, after one that is not timed.
 const RUNS: usize = 3;
 /// Share of the time of the present way that another must stay below.
-const BETTER: f64 = 0.95;
+const BETTER_SHARE: f64 = 0.95;
 /// Files of choices, one byte each.
 const KIND: CacheKind = CacheKind { ends: &["way"], limit: 1 << 20 };
 
@@ -144,7 +144,7 @@ impl Prepared {
                 continue;
             }
             if limit.is_infinite() {
-                limit = BETTER * self.time_part((&self.program, &self.pipelines.picture), frame, stop)?;
+                limit = BETTER_SHARE * self.time_part((&self.program, &self.pipelines.picture), frame, stop)?;
             }
             let pipeline = self.pipeline_of(&program)?;
             let ms = self.time_part((&program, &pipeline), frame, stop)?;

@@ -19,7 +19,7 @@ const INVOCATIONS: u32 = 1 << 21;
 const GROUP: u32 = 64;
 const NUMBERS: u32 = 4;
 /// Bound of the difference of a number in [0, 1] before it is stored; lavapipe gives 9e-8.
-const ROUNDED: f32 = 5e-7;
+const ROUNDING: f32 = 5e-7;
 
 /// Largest difference of a texel of a scene's image between device and CPU; `None` if only the CPU makes it.
 pub(crate) fn apart(scene: &Scene, image: NoiseImage) -> Option<f32> {
@@ -27,7 +27,7 @@ pub(crate) fn apart(scene: &Scene, image: NoiseImage) -> Option<f32> {
     own.recipe.bake().map(|_| match own.depth {
         Depth::Eight => 1.01 / 255.0,
         Depth::Sixteen => 1.01 / 65535.0,
-        Depth::Float => ROUNDED,
+        Depth::Float => ROUNDING,
     })
 }
 

@@ -146,7 +146,7 @@ fn set_object(item: &ObjectInputs<'_>, view: &View, set: &mut dyn FnMut(&str, &[
 
 /// Lipschitz bound assumed for warped distances. Higher: needless edge searches. Lower: the thinnest drips of `melting`
 /// are clipped.
-const WARPED: f32 = 2.0;
+const WARPED_LIPSCHITZ: f32 = 2.0;
 
 /// Distance along the ray within which a sample looks for matter, object units; 0 if it stands for its point alone.
 fn sample_reach(frame: &FrameContext) -> f32 {
@@ -163,7 +163,7 @@ pub(crate) fn search_distance(frame: &FrameContext) -> f32 {
 }
 
 fn steepness(variant: &Variant) -> f32 {
-    if variant.has_warps() { WARPED } else { 1.0 }
+    if variant.has_warps() { WARPED_LIPSCHITZ } else { 1.0 }
 }
 
 /// Longest step along a ray, object units.

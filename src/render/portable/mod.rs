@@ -22,7 +22,7 @@ use std::collections::BTreeMap;
 /// Moments of a motion: in a second, and at most. Between them, values are interpolated.
 const MOMENTS: [f64; 2] = [20.0, 400.0];
 /// Seconds of a motion by expressions without a loop.
-const ENDLESS: f64 = 60.0;
+const ENDLESS_SECONDS: f64 = 60.0;
 /// Equal parts of the range of a parameter between which values that follow it are interpolated.
 const PARTS: u32 = 8;
 /// Values for the host's own camera, which no program reads.
@@ -301,7 +301,7 @@ fn moments(scene: &Scene) -> Option<([f64; 2], Vec<f64>)> {
         None => {
             let ends = tracks.values().flat_map(|track| match track {
                 Track::Keys(keys) => keys.iter().map(|key| key.time).collect(),
-                Track::Expressions(_) => vec![scene.camera.time.min(0.0), scene.camera.time + ENDLESS],
+                Track::Expressions(_) => vec![scene.camera.time.min(0.0), scene.camera.time + ENDLESS_SECONDS],
             });
             ends.fold(None, |range: Option<[f64; 2]>, time| match range {
                 Some([low, high]) => Some([time.min(low), time.max(high)]),

@@ -6,7 +6,7 @@ use crate::render::variant::ObjectImage;
 use crate::shader::suffixed;
 
 /// Distance inside the hard region to which rays may look, object units.
-const INSIDE: f32 = 0.1;
+const INNER_DISTANCE: f32 = 0.1;
 
 impl Portable {
     /// Marks offsets to closest points that no ray reads: deep inside, and beyond the widest soft region. `None` for other
@@ -25,7 +25,7 @@ impl Portable {
         let near = 2.0 * voxel.fold(0.0, f32::max);
         let tables = self.parameters.iter().filter_map(|own| own.follow.get(&outer));
         let widest = tables.flatten().chain(self.values.get(&outer)).flatten().copied().fold(0.0, f32::max);
-        let read = value("iso_value")?[0] - near - INSIDE..=widest + near;
+        let read = value("iso_value")?[0] - near - INNER_DISTANCE..=widest + near;
         let code = |texel: &[u8; 8]| f32::from(u16::from_le_bytes([texel[6], texel[7]])) / 65535.0;
         let texels = volume.bytes.as_chunks().0.iter();
         Some(texels.map(|texel| !read.contains(&(decode[0] + decode[1] * code(texel)))).collect())

@@ -14,7 +14,7 @@ pub const BRICK: u32 = 8;
 /// Texels along a side; the last ones repeat the first of the next brick.
 const SIDE: u32 = BRICK + 1;
 /// Alpha of an index entry that refers to a brick; texels have at most 1.
-const STORED: f32 = 2.0;
+const BRICK_ALPHA: f32 = 2.0;
 
 /// Places of the bricks of a volume.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,7 +59,7 @@ impl Bricks {
         let entry = |texel: Option<[f32; 4]>| {
             texel.unwrap_or_else(|| {
                 let [x, y, z] = first_texel(places, place.next().unwrap_or_default());
-                [x as f32, y as f32, z as f32, STORED]
+                [x as f32, y as f32, z as f32, BRICK_ALPHA]
             })
         };
         let index = constant.into_iter().map(entry).collect();

@@ -9,9 +9,9 @@ const MAX_DEPTH: f64 = 16.0;
 /// Largest finite number in 16 bits.
 const MAX_HALF: f64 = 65504.0;
 /// Densities at which the factor of the extinction is measured: the quotient keeps five digits there.
-const MEASURED: [f32; 2] = [0.02, 0.98];
+const MEASURED_DENSITIES: [f32; 2] = [0.02, 0.98];
 /// Relative spread of factors of one value, by rounding.
-const FLAT: f64 = 2e-4;
+const FLAT_SPREAD: f64 = 2e-4;
 
 /// Extinction of the voxels with matter, per world unit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -36,7 +36,7 @@ impl VoxelExtinction {
     /// The quotient of the extinction and -ln(1 - density), if the medium has only one.
     pub fn constant_factor(&self) -> Option<f64> {
         let [low, high] = self.factor?;
-        (high - low <= FLAT * high).then_some(0.5 * (low + high))
+        (high - low <= FLAT_SPREAD * high).then_some(0.5 * (low + high))
     }
 
     /// Turns the extinction of a leaf from object units into world units, of which `scale` gives the number of object units, limits
@@ -48,7 +48,7 @@ impl VoxelExtinction {
                 continue;
             }
             let exact = if *density >= 1.0 { f64::INFINITY } else { scale * f64::from(*own) };
-            if *own > 0.0 && (MEASURED[0]..=MEASURED[1]).contains(density) {
+            if *own > 0.0 && (MEASURED_DENSITIES[0]..=MEASURED_DENSITIES[1]).contains(density) {
                 let factor = exact / -f64::from(-*density).ln_1p();
                 let [low, high] = self.factor.unwrap_or([factor; 2]);
                 self.factor = Some([low.min(factor), high.max(factor)]);

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use std::io;
 
 /// Relative difference between colors of one flat color, by rounding.
-const FLAT: f32 = 1e-5;
+const FLAT_DIFFERENCE: f32 = 1e-5;
 
 /// Grids of a scene: `density`; `extinction`, per world unit; `color`, linear RGB, unless all matter has one color; `temperature`, the luminance of a single object's
 /// colors of a transfer map; and `vel`, world units per second, where the matter rises at a constant speed.
@@ -62,7 +62,7 @@ impl VoxelGrids {
     /// The color of all matter, linear RGB, if it has only one.
     pub fn flat_color(&self) -> Option<[f32; 3]> {
         let [low, high] = self.colors?;
-        (high - low).cmple(FLAT * high.abs()).all().then(|| high.to_array())
+        (high - low).cmple(FLAT_DIFFERENCE * high.abs()).all().then(|| high.to_array())
     }
 
     /// Whether a grid is worth writing: a flat color is not.

@@ -18,7 +18,7 @@ use std::io;
 /// Voxels along a side of a leaf.
 const SIDE: u32 = FogLeaf::SIDE;
 /// Share of the progress that is left for the measurement of the error.
-const MEASURED: f32 = 0.1;
+const ERROR_SHARE: f32 = 0.1;
 
 /// Report on evaluated voxels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,7 +79,7 @@ pub fn voxelize(
         leaves += found.len();
         take(found)?;
         done += corners.len();
-        progress((1.0 - MEASURED) * done as f32 / plan.leaves.len() as f32);
+        progress((1.0 - ERROR_SHARE) * done as f32 / plan.leaves.len() as f32);
     }
     if leaves == 0 {
         return Err(VoxelError::Empty(plan.size[0], plan.size[1], plan.size[2]));

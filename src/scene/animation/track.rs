@@ -8,7 +8,7 @@ use toml::Value;
 /// Longest expression, since its parser recurses.
 const MAX_LENGTH: usize = 1000;
 /// Largest distance of a keyframe from time 0, seconds: that of `camera.time`.
-const FARTHEST: f64 = 1e9;
+const MAX_KEY_TIME: f64 = 1e9;
 
 /// Motion of a field.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,8 +93,8 @@ impl Track {
     pub(super) fn check(&self, name: &str, period: Option<f64>) -> Result<(), SceneError> {
         let Track::Keys(keys) = self else { return self.at(name, 0.0, period).map(drop) };
         let fail = |time: f64, limit: String| Err(SceneError::value(format!("{name}.time"), time, limit));
-        let last = period.unwrap_or(FARTHEST);
-        let first = if period.is_some() { 0.0 } else { -FARTHEST };
+        let last = period.unwrap_or(MAX_KEY_TIME);
+        let first = if period.is_some() { 0.0 } else { -MAX_KEY_TIME };
         for key in keys {
             if !(first..=last).contains(&key.time) {
                 return fail(key.time, format!("must be from {first} to {last} seconds"));

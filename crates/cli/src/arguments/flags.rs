@@ -9,7 +9,7 @@ use hypertexture::scene::{Scene, SceneError};
 const WIDE: f32 = 1e6;
 
 /// Flags of the short help.
-const SHORT: [&str; 5] = ["iso", "light", "resolution", "samples", "size"];
+const SHORT_HELP: [&str; 5] = ["iso", "light", "resolution", "samples", "size"];
 
 /// Settings given by flags, as written: those of objects, or all others.
 #[derive(Clone, Default)]
@@ -73,7 +73,8 @@ fn argument(setting: &'static Setting, flag: Flag) -> Arg {
         (_, limits) => format!("{doc} [{limits}{none}]"),
     };
     let argument = Arg::new(flag.name).long(flag.name).value_name(name);
-    let mut argument = argument.help(first_clause(&help)).long_help(help).hide_short_help(!SHORT.contains(&flag.name));
+    let mut argument =
+        argument.help(first_clause(&help)).long_help(help).hide_short_help(!SHORT_HELP.contains(&flag.name));
     argument = match setting.kind {
         Kind::Number(_) | Kind::Whole(_) => argument.allow_negative_numbers(true),
         Kind::Numbers(..) => argument.allow_hyphen_values(true),
@@ -132,6 +133,6 @@ mod tests {
     #[test]
     fn short_help_names_flags_of_settings() {
         let flags: Vec<&str> = SETTINGS.iter().filter_map(|setting| Some(setting.flag?.name)).collect();
-        assert!(SHORT.iter().all(|name| flags.contains(name)), "{flags:?}");
+        assert!(SHORT_HELP.iter().all(|name| flags.contains(name)), "{flags:?}");
     }
 }

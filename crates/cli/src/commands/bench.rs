@@ -13,7 +13,7 @@ use std::sync::atomic::Ordering;
 /// Timed runs of a row by default, and with `--quick`.
 const REPEAT: [usize; 2] = [7, 3];
 /// Largest saved run, bytes.
-const LONGEST: u64 = 16 << 20;
+const MAX_BYTES: u64 = 16 << 20;
 
 /// Arguments of `bench`.
 #[derive(Args)]
@@ -113,7 +113,7 @@ pub(crate) fn run(command: &Bench, options: &Options, quiet: bool) -> Result<(),
 /// A saved run.
 fn read(path: &Path) -> Result<bench::Bench, Box<dyn Error>> {
     let fails = |reason: &dyn std::fmt::Display| format!("{}: {reason}", path.display());
-    let text = open::text(path, LONGEST).map_err(|error| fails(&error))?;
+    let text = open::text(path, MAX_BYTES).map_err(|error| fails(&error))?;
     serde_json::from_str(&text).map_err(|error| fails(&format!("no file that `bench --json` wrote: {error}")).into())
 }
 

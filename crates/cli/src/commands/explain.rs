@@ -20,7 +20,7 @@ use std::error::Error;
 /// Pictures of each of two scenes that are compared.
 const PICTURES: usize = 3;
 /// Spread of undisturbed times, in parts of the least.
-const STEADY: f64 = 0.5;
+const STEADY_SPREAD: f64 = 0.5;
 
 /// Arguments of `explain`.
 #[derive(Args)]
@@ -175,7 +175,7 @@ fn saved(saves: &str, times: &[f64], others: &[f64]) -> String {
         }
         return format!("{saves} {} %", interval([1.0 - most / least_other, 1.0 - least / most_other]));
     }
-    if spread <= STEADY * least.min(least_other) {
+    if spread <= STEADY_SPREAD * least.min(least_other) {
         format!("{saves} nothing beyond the spread")
     } else {
         format!("{saves} an amount that cannot be measured now, as something else slows the device down")

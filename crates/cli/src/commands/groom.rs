@@ -122,7 +122,7 @@ fn cut(channel: Channel, found: [f64; 2]) -> Option<String> {
 }
 
 /// Voxels around painted points that get their color: more than filters read.
-const GROWN: u32 = 4;
+const COLOR_MARGIN: u32 = 4;
 
 /// Fills a channel from a file in the axes and units of the object: length and density from a volume, color from a mesh.
 /// Returns the least and the greatest value where skin may be.
@@ -146,7 +146,7 @@ fn fill_from_file(
             // Textures vary within a voxel.
             let spacing = if mesh.paint.is_textured() { 0.25 } else { 0.5 } * groom.step() / subject.scale;
             let points = mesh.colored_points(spacing).map(|(point, color)| (place(point), color));
-            groom.color(points, GROWN);
+            groom.color(points, COLOR_MARGIN);
             Ok(Groom::limits(first).map(f64::from))
         }
         (Channel::Color, _) => {

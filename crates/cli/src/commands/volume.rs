@@ -23,7 +23,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// RMS error of the density beyond which a volume is called coarse.
-const COARSE: f64 = 0.02;
+const COARSE_RMS: f64 = 0.02;
 
 /// Arguments of `volume`.
 #[derive(Args)]
@@ -254,7 +254,7 @@ fn error_line(fit: &VoxelFit) -> String {
         Some(grid) => format!("half of it at --grid {grid}"),
         None => "its detail is finer than voxels".into(),
     };
-    let coarse = if fit.rms > COARSE { "coarse: " } else { "" };
+    let coarse = if fit.rms > COARSE_RMS { "coarse: " } else { "" };
     format!(
         "{coarse}RMS {rms}, largest {largest} of a density of 0 to 1, at {} places in these leaves; {halved} (order {:.2})",
         fit.places, fit.order

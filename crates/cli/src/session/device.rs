@@ -6,7 +6,7 @@ use hypertexture::render::variant::{Variant, VariantError};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
 use hypertexture_measure::guard;
-use hypertexture_measure::worker::{PATIENCE, Start};
+use hypertexture_measure::worker::{PICTURE_TIME, Start};
 use std::error::Error;
 
 /// The error of the device behind an error, if any.
@@ -41,7 +41,7 @@ pub(crate) fn with_device<T>(
 /// The path of the executable is unknown.
 pub fn start(options: &Options) -> Result<Start, Box<dyn Error>> {
     let program = std::env::current_exe()?;
-    Ok(Start { program, device: options.device.clone(), patience: PATIENCE })
+    Ok(Start { program, device: options.device.clone(), patience: PICTURE_TIME })
 }
 
 /// The checked scene, and its modules. Those of the user are compiled in a child process.

@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 
 /// Most characters of an error line; characters kept at both ends of a longer line, and of a long word in it.
 const LONGEST_LINE: usize = 599;
-const KEPT: [usize; 2] = [400, 195];
+const KEPT_OF_LINE: [usize; 2] = [400, 195];
 const KEPT_OF_WORD: [usize; 2] = [50, 30];
 /// Prefix of an error number of the operating system.
 const NUMBER_OF_ERROR: &str = " (os error ";
@@ -73,5 +73,5 @@ fn fitted(line: &str) -> String {
     }
     let words: Vec<String> = line.split(' ').map(|word| without_middle(word, KEPT_OF_WORD)).collect();
     let line = words.join(" ");
-    if length(&line) <= LONGEST_LINE { line } else { without_middle(&line, KEPT) }
+    if length(&line) <= LONGEST_LINE { line } else { without_middle(&line, KEPT_OF_LINE) }
 }

@@ -11,7 +11,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 /// Time after which a bar appears.
-const PATIENCE: Duration = Duration::from_secs(1);
+const BAR_DELAY: Duration = Duration::from_secs(1);
 /// Time between two lines.
 const PERIOD: Duration = Duration::from_secs(60);
 
@@ -57,7 +57,7 @@ fn with_bar<T>(what: &str, run: impl FnOnce(Progress<'_>) -> T) -> T {
     let result = run(&|fraction| {
         if fraction >= 1.0 {
             bar.finish_and_clear(); // what follows is something else
-        } else if start.elapsed() > PATIENCE {
+        } else if start.elapsed() > BAR_DELAY {
             bar.set_position((f64::from(fraction) * STEPS as f64) as u64);
         }
     });

@@ -15,7 +15,7 @@ use hypertexture_measure::compare::{Session, Settings, compare};
 use hypertexture_measure::metric::Metric;
 use hypertexture_measure::pick::{ErrorBound, pick};
 use hypertexture_measure::reference::Reference;
-use hypertexture_measure::worker::{Load, PATIENCE, Painter, Start, Worker};
+use hypertexture_measure::worker::{Load, PICTURE_TIME, Painter, Start, Worker};
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
@@ -23,7 +23,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 fn real() -> Start {
-    Start { program: env!("CARGO_BIN_EXE_hypertexture").into(), device: device(), patience: PATIENCE }
+    Start { program: env!("CARGO_BIN_EXE_hypertexture").into(), device: device(), patience: PICTURE_TIME }
 }
 
 fn device() -> Option<String> {

@@ -15,10 +15,10 @@ const PEAKS: [(&str, &str); 3] = [
 ];
 /// Parts of a turn.
 const PARTS: usize = 8;
-/// Turns of the first picture of a peak, and growth to the next, until one takes `LONG` milliseconds.
+/// Turns of the first picture of a peak, and growth to the next, until one takes `LONG_MS` milliseconds.
 const TURNS: [f32; 2] = [4.0, 4.0];
 const MOST_TURNS: f32 = 4096.0;
-const LONG: f64 = 20.0;
+const LONG_MS: f64 = 20.0;
 /// Side of the pictures of the peaks, pixels.
 const SIDE: u32 = 512;
 
@@ -118,7 +118,7 @@ fn rate(gpu: &Gpu, library: &Library, program: usize, stage: ShaderStage) -> Res
         renderer.render(&scene)?;
         let run = Run::of_picture(&mut renderer, &scene)?;
         let ms = run.steadiest(gpu.info().cpu);
-        if ms >= LONG || turns >= MOST_TURNS {
+        if ms >= LONG_MS || turns >= MOST_TURNS {
             let counts = Counts::of(gpu, library, (&scene, &subject), run.fragments)?;
             return Ok(counts.map_or(0.0, |counts| if program == 0 { counts.operations } else { counts.fetches } / ms));
         }

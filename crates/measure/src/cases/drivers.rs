@@ -5,10 +5,10 @@ use super::lab::{CaseError, Lab, Rows, number, same};
 use hypertexture::scene::{Pass, ShaderStage, preset};
 
 /// Largest difference of a place in light space, object units at a distance of 2: f32 near the pole behind the light.
-const ROUNDED: f64 = 6e-6;
+const MAX_PLACE_ERROR: f64 = 6e-6;
 /// Difference from which on a pixel counts, and the share of pixels that may have it: rays at an edge part.
 const DIFFERENT: f64 = 1e-2;
-const FEW: f64 = 3e-3;
+const MAX_SHARE: f64 = 3e-3;
 
 /// Slices of segments with a highlight give the picture of rays. Mesa 26.1 reads uniforms behind a loop wrongly.
 fn highlights(lab: &Lab<'_>, rows: &mut Rows) -> Result<(), CaseError> {
@@ -41,7 +41,7 @@ fn stages(lab: &Lab<'_>, rows: &mut Rows) -> Result<(), CaseError> {
     let pixels = fragment.pixels.iter().zip(&compute.pixels);
     let differ = |(a, b): &(&[f32; 4], &[f32; 4])| a.iter().zip(*b).any(|(a, b)| f64::from((a - b).abs()) > DIFFERENT);
     let share = pixels.filter(differ).count() as f64 / fragment.pixels.len() as f64;
-    rows.worst("pixels that differ", "bent rays by both stages", [(0.0, share, FEW)]);
+    rows.worst("pixels that differ", "bent rays by both stages", [(0.0, share, MAX_SHARE)]);
     Ok(())
 }
 
@@ -58,9 +58,9 @@ fn light_space(lab: &Lab<'_>, rows: &mut Rows) -> Result<(), CaseError> {
             let across = (1.0 - along * along).max(0.0).sqrt();
             let turn = [(1.0 - u * u) / (1.0 + u * u), 2.0 * u / (1.0 + u * u)];
             let p = [across * turn[0], across * turn[1], along].map(|c| DISTANCE * c);
-            back.extend(p.into_iter().zip([x, y, z]).map(|(known, found)| (known, found, ROUNDED)));
+            back.extend(p.into_iter().zip([x, y, z]).map(|(known, found)| (known, found, MAX_PLACE_ERROR)));
             let quarter = across.atan2(along) / 4.0;
-            placed.push((0.5 + quarter.sin() / 2f64.sqrt() * meridian.cos(), there, ROUNDED));
+            placed.push((0.5 + quarter.sin() / 2f64.sqrt() * meridian.cos(), there, MAX_PLACE_ERROR));
         }
         rows.worst("light space and back", format!("meridian {}", number(meridian.to_degrees())), back);
         rows.worst("light space", format!("meridian {}", number(meridian.to_degrees())), placed);

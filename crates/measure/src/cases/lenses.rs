@@ -67,7 +67,7 @@ struct Lens {
 }
 
 /// Largest impact of the rays that count: those that graze a lens turn most in their last step.
-const INSIDE: f64 = 0.95;
+const MAX_IMPACT: f64 = 0.95;
 
 const LENSES: [Lens; 2] = [
     Lens { index: "luneburg", name: "Luneburg lens", miss: |ray, line| luneburg_miss(ray.along, line), rounding: 2e-6 },
@@ -92,7 +92,7 @@ fn lens_levels(lab: &Lab<'_>, lens: &Lens, samples: &[u32]) -> Result<Vec<Level>
     let level = |&samples: &u32| {
         scene.quality.samples = samples;
         let found = probe(&mut renderers, &scene)?;
-        let inside = found.iter().zip(&rays).filter(|(_, ray)| ray.impact() < INSIDE);
+        let inside = found.iter().zip(&rays).filter(|(_, ray)| ray.impact() < MAX_IMPACT);
         Ok::<_, RenderError>(Level::of(
             samples,
             2.0 / f64::from(samples),

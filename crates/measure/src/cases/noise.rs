@@ -8,11 +8,11 @@ use hypertexture::noise::{Lattice, Weights};
 /// Modules of the noise.
 pub(super) const SLOTS: &[(&str, &str)] = &[("wrap", "repeat"), ("weights", "quintic")];
 /// Mask of the lattice with the longest period.
-const ENDLESS: u32 = (1 << 20) - 1;
+const LONGEST_MASK: u32 = (1 << 20) - 1;
 /// Largest slope of the noise, per cell.
-const STEEP: f64 = 2.8;
+const MAX_SLOPE: f64 = 2.8;
 /// Rounding of a sum over eight corners.
-const ROUNDED: f64 = 2e-6;
+const ROUNDING: f64 = 2e-6;
 
 /// Noise on the line of `noise.glsl`: value, and slope along x.
 fn truth(t: f64, shift: f64, mask: u32) -> [f64; 2] {
@@ -30,14 +30,15 @@ pub(super) fn far(lab: &Lab<'_>, rows: &mut Rows) -> Result<(), CaseError> {
     let function = line(lab)?;
     for exponent in [0, 4, 8, 10, 12, 14, 16, 18, 19, 20, 22, 24] {
         let from = 2f64.powi(exponent);
-        let seen = function.at([from as f32, (from + 3.0) as f32, ENDLESS as f32, 0.0])?;
+        let seen = function.at([from as f32, (from + 3.0) as f32, LONGEST_MASK as f32, 0.0])?;
         // The exact place; `seen` has it in f32, after an interpolation of four roundings.
         let off = 4.0 * from * 2f64.powi(-24);
         let exact = |place: usize| from + 3.0 * place as f64 / 4096.0;
         let places = seen.iter().enumerate().map(|(place, found)| (exact(place), found[3], off));
         rows.worst("place", format!("cell 2^{exponent}"), places).at(from);
-        for (channel, what, bound) in [(0, "noise", ROUNDED), (2, "slope of noise", 8.0 * ROUNDED)] {
-            let known = seen.iter().map(|found| (truth(found[3], 0.0, ENDLESS)[channel / 2], found[channel], bound));
+        for (channel, what, bound) in [(0, "noise", ROUNDING), (2, "slope of noise", 8.0 * ROUNDING)] {
+            let known =
+                seen.iter().map(|found| (truth(found[3], 0.0, LONGEST_MASK)[channel / 2], found[channel], bound));
             rows.worst(what, format!("cell 2^{exponent}"), known).at(from);
         }
     }
@@ -48,11 +49,11 @@ pub(super) fn far(lab: &Lab<'_>, rows: &mut Rows) -> Result<(), CaseError> {
 pub(super) fn negative(lab: &Lab<'_>, rows: &mut Rows) -> Result<(), CaseError> {
     let function = line(lab)?;
     for (from, to) in [(-2.0, 2.0), (-1e-9, 1e-9), (-1e-30, 0.0), (-1.000_000_1, -0.999_999_9)] {
-        for mask in [255, ENDLESS] {
+        for mask in [255, LONGEST_MASK] {
             let seen = function.at([from, to, mask as f32, 0.0])?;
             let known = seen.iter().flat_map(|[plain, with_slope, slope, t]| {
                 let [value, steep] = truth(*t, 0.0, mask);
-                [(value, *plain, ROUNDED), (value, *with_slope, ROUNDED), (steep, *slope, 8.0 * ROUNDED)]
+                [(value, *plain, ROUNDING), (value, *with_slope, ROUNDING), (steep, *slope, 8.0 * ROUNDING)]
             });
             rows.worst("noise and its slope", format!("[{from}, {to}], period {}", mask + 1), known);
         }
@@ -64,7 +65,7 @@ pub(super) fn negative(lab: &Lab<'_>, rows: &mut Rows) -> Result<(), CaseError> 
 pub(super) fn endless(lab: &Lab<'_>, rows: &mut Rows) -> Result<(), CaseError> {
     let function = line(lab)?;
     for place in [3e9, -3e9, 1e30, f32::MAX, -f32::MAX] {
-        let seen = function.at([place, place, ENDLESS as f32, 0.0])?;
+        let seen = function.at([place, place, LONGEST_MASK as f32, 0.0])?;
         // Places are clamped to the border of the lattice, which is a lattice point.
         let known = seen.iter().flat_map(|[plain, with_slope, slope, _]| {
             let finite = if slope.abs() <= 1.0 { *slope } else { f64::NAN };
@@ -88,10 +89,10 @@ pub(super) fn periods(lab: &Lab<'_>, rows: &mut Rows) -> Result<(), CaseError> {
         let (here, there) = (ask(ends(0.0, 16.0), mask)?, ask(ends(4.0 * period, 4.0 * period + 16.0), mask)?);
         let pairs = here.iter().zip(&there);
         rows.worst("a period on", format!("period {period}"), pairs.map(|(a, b)| (a[0], b[0], 0.0)));
-        let endless = ask(ends(0.0, 16.0), ENDLESS as f32)?;
+        let endless = ask(ends(0.0, 16.0), LONGEST_MASK as f32)?;
         let within = here.iter().zip(&endless).filter(|(one, _)| one[3] < period - 1.0);
         rows.worst("within a period", format!("period {period}"), within.map(|(a, b)| (b[0], a[0], 0.0)));
-        let beyond = ask(ends(4.0 * period, 4.0 * period + 16.0), ENDLESS as f32)?;
+        let beyond = ask(ends(4.0 * period, 4.0 * period + 16.0), LONGEST_MASK as f32)?;
         let apart = largest(here.iter().zip(&beyond).map(|(a, b)| (a[0] - b[0]).abs()));
         let found = format!("apart by {}", number(apart));
         rows.holds("endless noise does not", format!("period {period}"), "apart", found, apart > 0.1);
@@ -106,12 +107,12 @@ pub(super) fn bounds(lab: &Lab<'_>, rows: &mut Rows) -> Result<(), CaseError> {
         let mut largest = [0.0f64; 2];
         for part in 0..16 {
             let from = 256.0 * part as f32;
-            for [plain, _, slope, _] in function.at([from, from + 256.0, ENDLESS as f32, shift])? {
+            for [plain, _, slope, _] in function.at([from, from + 256.0, LONGEST_MASK as f32, shift])? {
                 largest = [(0, plain.abs()), (1, slope.abs())]
                     .map(|(at, found)| if found.is_nan() { f64::INFINITY } else { largest[at].max(found) });
             }
         }
-        for (what, found, bound) in [("noise", largest[0], 0.75f64.sqrt()), ("slope of noise", largest[1], STEEP)] {
+        for (what, found, bound) in [("noise", largest[0], 0.75f64.sqrt()), ("slope of noise", largest[1], MAX_SLOPE)] {
             let is_within = found <= bound + 1e-6 && found > 0.3;
             rows.holds(what, setting, format!("at most {bound:.4}"), format!("{found:.4}"), is_within);
         }

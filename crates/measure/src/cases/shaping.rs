@@ -4,16 +4,16 @@ use super::function::Function;
 use super::lab::{CaseError, Lab, Rows};
 
 /// Distance of the clamped parameter from 0 and 1.
-const HELD: f64 = 1.0 / 1024.0;
+const CLAMP: f64 = 1.0 / 1024.0;
 /// Rounding of a power by two logarithms in f32.
-const NEAR: f64 = 4e-6;
+const ROUNDING: f64 = 4e-6;
 
 /// Bias in f64: `b` is the value at 1/2 (PH 2.3, MJ Eq. 5).
 pub fn bias(b: f64, t: f64) -> f64 {
     match t {
         ..=0.0 => 0.0,
         1.0.. => 1.0,
-        _ => t.powf(b.clamp(HELD, 1.0 - HELD).ln() / 0.5f64.ln()),
+        _ => t.powf(b.clamp(CLAMP, 1.0 - CLAMP).ln() / 0.5f64.ln()),
     }
 }
 
@@ -43,14 +43,14 @@ fn biased(lab: &Lab<'_>, rows: &mut Rows, end: f64) -> Result<(), CaseError> {
         values.push(function.at([1.0, 1.0, b as f32, 0.0])?[0]);
         let known = |exact: bool| {
             let ends = move |t: f64| !exact || t == 0.0 || t == 1.0;
-            let bound = if exact { 0.0 } else { NEAR };
+            let bound = if exact { 0.0 } else { ROUNDING };
             values.iter().filter(move |[.., t]| ends(*t)).map(move |[found, .., t]| (bias(b, *t), *found, bound))
         };
         let what = if end == 0.0 { "bias, b to 0" } else { "bias, b to 1" };
-        rows.worst(what, format!("b = {name}"), known(false)).at(gap.max(HELD / 2048.0));
+        rows.worst(what, format!("b = {name}"), known(false)).at(gap.max(CLAMP / 2048.0));
         rows.worst("0 and 1 are fixed points", format!("b = {name}"), known(true));
         let falls = values.windows(2).map(|pair| (pair[0][0] - pair[1][0]).max(0.0));
-        rows.worst("bias is monotonic", format!("b = {name}"), falls.map(|fall| (0.0, fall, NEAR)));
+        rows.worst("bias is monotonic", format!("b = {name}"), falls.map(|fall| (0.0, fall, ROUNDING)));
     }
     Ok(())
 }
@@ -69,9 +69,9 @@ pub(super) fn gain_at_ends(lab: &Lab<'_>, rows: &mut Rows) -> Result<(), CaseErr
         for (g, name, gap) in toward(end) {
             let values = function.at([0.0, 1.0, g as f32, 0.0])?;
             let setting = format!("g = {name}");
-            let known = values.iter().map(|[_, found, _, t]| (gain(g, *t), *found, NEAR));
-            rows.worst(what, &setting, known).at(gap.max(HELD / 2048.0));
-            let sums = values.iter().map(|[_, one, other, _]| (1.0, one + other, NEAR));
+            let known = values.iter().map(|[_, found, _, t]| (gain(g, *t), *found, ROUNDING));
+            rows.worst(what, &setting, known).at(gap.max(CLAMP / 2048.0));
+            let sums = values.iter().map(|[_, one, other, _]| (1.0, one + other, ROUNDING));
             rows.worst("gain is symmetric", &setting, sums);
             let middle = function.at([0.5, 0.5, g as f32, 0.0])?;
             rows.worst("gain of 1/2", &setting, middle.iter().map(|[_, found, ..]| (0.5, *found, 0.0)));

@@ -7,7 +7,7 @@ use hypertexture::shader::Library;
 use std::time::Duration;
 
 /// An error of the scene's own truth that ends the sweep.
-const ENOUGH: f64 = 1e-3;
+const FINAL_ERROR: f64 = 1e-3;
 /// Wall clock after which no further samples are begun.
 pub(super) const BUDGET: Duration = Duration::from_secs(60);
 
@@ -16,7 +16,7 @@ pub(super) const BUDGET: Duration = Duration::from_secs(60);
 pub(super) fn finer(rows: &[(usize, Row)], library: &Library) -> Vec<(usize, Candidate)> {
     let own: Vec<&(usize, Row)> = rows.iter().filter(|(_, row)| row.truth.is_own).collect();
     let points: Vec<(f64, f64)> = own.iter().map(|(_, row)| row.point()).collect();
-    if points.iter().any(|point| point.1 <= ENOUGH) {
+    if points.iter().any(|point| point.1 <= FINAL_ERROR) {
         return Vec::new();
     }
     let mut curves: Vec<Curve> = Vec::new();

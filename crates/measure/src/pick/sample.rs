@@ -3,7 +3,7 @@
 //! Role: a square is in the sample if its fixed random number is below its chance, which is in proportion to its score. So a sample
 //! only grows, and the sum of the values, each divided by its chance, is unbiased. Squares of chance 1 are known. Invariant: a bound
 //! fails with a probability of [`RISK`] at most, if no square outside of the sample has a larger value, in parts of its score, than
-//! the worst of chance 1, or [`UNSEEN`] times the worst of the others. Sources: Horvitz and Thompson 1952 (weights); Chernoff 1952 (the
+//! the worst of chance 1, or [`UNSAMPLED_FACTOR`] times the worst of the others. Sources: Horvitz and Thompson 1952 (weights); Chernoff 1952 (the
 //! lower tail of a sum of independent terms).
 
 use hypertexture_support::random::SplitMix;
@@ -12,7 +12,7 @@ use hypertexture_support::random::SplitMix;
 const RISK: f64 = 1e-5;
 /// Largest value of a square outside of the sample, in parts of its score and of the worst in the sample. Lower: bounds break where few
 /// pixels have most of the error. Higher: more pixels are compared.
-const UNSEEN: f64 = 3.0;
+const UNSAMPLED_FACTOR: f64 = 3.0;
 
 /// Squares of pixels, each with its chance and its random number.
 pub(super) struct Sample {
@@ -53,8 +53,9 @@ impl Sample {
         let known: f64 = seen.iter().filter(|(square, _)| is_known(*square)).map(|(_, value)| value).sum();
         let others = seen.iter().filter(|(square, _)| !is_known(*square));
         let stands_for: f64 = others.map(|(square, value)| value * self.weight(*square)).sum();
-        let worst =
-            |(square, value): &(usize, f64)| value / scores[*square] * if is_known(*square) { 1.0 } else { UNSEEN };
+        let worst = |(square, value): &(usize, f64)| {
+            value / scores[*square] * if is_known(*square) { 1.0 } else { UNSAMPLED_FACTOR }
+        };
         let worst = seen.iter().map(worst).fold(1.0, f64::max);
         let holds = |square: usize| most.unwrap_or(worst * scores[square]) * self.weight(square);
         let largest = (0..self.chance.len()).filter(|square| !is_known(*square)).map(holds).fold(0.0, f64::max);

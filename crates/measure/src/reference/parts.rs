@@ -16,7 +16,7 @@ const MAX_OPEN_LENGTH: f64 = 1.0 / 192.0;
 
 /// After this many bounds of halves, halving must pay: of what was open two halvings ago, less than [`PAYS`] of the length
 /// still is. Fewer: thin matter far behind the first is given up. More: rays of which nothing can be proven take longer.
-const TRIED: usize = 14;
+const FREE_BOUNDS: usize = 14;
 /// More: noise of many octaves is tried in vain. Less: a surface that is nearly tangential is given up.
 const PAYS: f64 = 0.85;
 
@@ -61,7 +61,7 @@ impl Ray {
         }
         let halved = integral::undecided(&mut self.parts, shortest);
         let open = halved.iter().map(|&index| self.parts[index].length).sum();
-        self.is_vain |= self.spent > TRIED && open > PAYS * self.open[1];
+        self.is_vain |= self.spent > FREE_BOUNDS && open > PAYS * self.open[1];
         self.open = [open, self.open[0]];
         let left = if self.is_vain { 0 } else { BOUNDS[0].saturating_sub(self.spent) / 2 };
         self.halved = halved.into_iter().take(left).collect();

@@ -16,10 +16,10 @@ const PROBE: f64 = 1e-7;
 /// Side of the squares of rays from the light that are computed together.
 const TILE: usize = 16;
 
-/// Rays of one beam are the neighbors of this part of a picture's side, and no more than [`WIDEST`] across: bounds of a beam
+/// Rays of one beam are the neighbors of this part of a picture's side, and no more than [`MAX_BEAM`] across: bounds of a beam
 /// are about as narrow as those of a ray while it is thinner than its parts are long. More: their bounds say less.
 const BEAM: u32 = 32;
-const WIDEST: u32 = 8;
+const MAX_BEAM: u32 = 8;
 
 /// The program of a scene that gives one sample of a ray, ready to be evaluated.
 pub(super) struct Probe {
@@ -146,7 +146,7 @@ impl Probe {
             octaves: truth.effect.octaves,
         });
         let side = truth.image.size[0].min(truth.image.size[1]);
-        let beam = (side / BEAM).clamp(1, WIDEST);
+        let beam = (side / BEAM).clamp(1, MAX_BEAM);
         let width = f64::from(beam) / f64::from(side);
         Ok((Probe { program, opacity, cpu_inputs, moments, beam, width, caster }, inputs))
     }

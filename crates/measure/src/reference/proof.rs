@@ -14,7 +14,7 @@ pub(super) const DECIDED: f64 = super::UNSEEN / 16.0;
 /// Most bounds of a ray. Lower: less is proven. Higher: rays whose bounds prove nothing take longer.
 const BOUNDS: usize = 64;
 /// From this round on, bounds must pay: of what was undecided a round ago, less than [`PAYS`] still is.
-const TRIED: u32 = 3;
+const FREE_ROUNDS: u32 = 3;
 const PAYS: f64 = 0.9;
 
 /// Consecutive pieces of a ray.
@@ -126,7 +126,7 @@ impl Proof {
         }
         self.least = self.open();
         self.rounds += 1;
-        if self.rounds >= TRIED && self.open() > PAYS * was {
+        if self.rounds >= FREE_ROUNDS && self.open() > PAYS * was {
             self.bounds = 0;
         }
         if self.bounds == 0 || self.open() <= super::UNSEEN {

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// Processor time allowed for a picture of any size: device, object, pipeline.
-pub const PATIENCE: Duration = Duration::from_secs(120);
+pub const PICTURE_TIME: Duration = Duration::from_secs(120);
 /// Further processor time allowed per sample, seconds: ten times that of a software driver.
 const SECONDS_PER_SAMPLE: f64 = 1e-5;
 /// Memory after a picture from which the process is replaced: lavapipe retains hundreds of megabytes for each picture of a
@@ -27,7 +27,7 @@ pub struct Start {
     pub program: PathBuf,
     /// Part of the name of the device, as for `--device`.
     pub device: Option<String>,
-    /// Processor time allowed for a picture in addition to that of its samples; normally [`PATIENCE`].
+    /// Processor time allowed for a picture in addition to that of its samples; normally [`PICTURE_TIME`].
     pub patience: Duration,
 }
 

@@ -7,7 +7,7 @@
 mod client;
 mod serve;
 
-pub use client::{PATIENCE, Painter, Remote, Start, Worker};
+pub use client::{PICTURE_TIME, Painter, Remote, Start, Worker};
 pub use serve::serve;
 
 use hypertexture::render::Measurements;

@@ -9,7 +9,7 @@ use hypertexture::scene::Transform;
 
 /// Length of an axis, and the distance at which the pointer takes hold of it, points.
 const LENGTH: f32 = 80.0;
-const NEAR: f32 = 9.0;
+const GRAB_DISTANCE: f32 = 9.0;
 /// Names and colors of the axes.
 const AXES: [(&str, Color32); 3] = [
     ("x", Color32::from_rgb(235, 87, 87)),
@@ -255,7 +255,7 @@ fn nearest(at: Pos2, center: Pos2, ends: &[Pos2; 3]) -> Option<usize> {
         (from - part * way).length()
     };
     let all = ends.iter().map(|end| distance(*end)).enumerate();
-    all.filter(|(_, distance)| *distance < NEAR).min_by(|a, b| a.1.total_cmp(&b.1)).map(|(axis, _)| axis)
+    all.filter(|(_, distance)| *distance < GRAB_DISTANCE).min_by(|a, b| a.1.total_cmp(&b.1)).map(|(axis, _)| axis)
 }
 
 /// The place of the sun, and whether it is that of the light. One behind the eye or beside the picture stands at its edge,

@@ -14,7 +14,7 @@ use std::sync::Arc;
 use std::time::SystemTime;
 
 /// Versions in memory; others are read from their files.
-const KEPT: usize = 8;
+const IN_MEMORY: usize = 8;
 /// Versions on disk: more than undo steps.
 const FILES: usize = 1024;
 /// Voxels along a side of a new groom.
@@ -119,7 +119,7 @@ impl Painting {
 
     fn keep(&mut self, file: String, groom: Arc<Groom>) {
         self.kept.push((file, groom));
-        if self.kept.len() > KEPT {
+        if self.kept.len() > IN_MEMORY {
             self.kept.remove(0);
         }
     }

@@ -12,7 +12,7 @@ use std::task::Poll;
 use std::time::Instant;
 
 /// Number of cached objects.
-const KEPT: usize = 6;
+const CACHED_OBJECTS: usize = 6;
 
 /// Inputs of the objects of a scene by their names, the main one first, and whether their fields are coarse.
 #[derive(Clone, Debug, PartialEq)]
@@ -167,7 +167,7 @@ impl Loader {
 
     fn keep(&mut self, key: Key, subject: Arc<Subject>) {
         self.kept.push((key, subject));
-        if self.kept.len() > KEPT {
+        if self.kept.len() > CACHED_OBJECTS {
             self.kept.remove(0);
         }
     }

@@ -9,7 +9,7 @@ use hypertexture_support::{open, write_whole};
 use std::path::{Path, PathBuf};
 
 /// Length of the list of recent files.
-const RECENT: usize = 8;
+const MAX_RECENT: usize = 8;
 /// Size limit of the list, bytes.
 const MAX_LIST: u64 = 1 << 16;
 
@@ -49,7 +49,7 @@ impl Dialogs {
         self.kept = kept;
         self.list = folder.map(|folder| folder.join("recent"));
         let list = self.list.as_deref().and_then(|list| open::text(list, MAX_LIST).ok()).unwrap_or_default();
-        self.recent = list.lines().map(PathBuf::from).filter(|path| path.exists()).take(RECENT).collect();
+        self.recent = list.lines().map(PathBuf::from).filter(|path| path.exists()).take(MAX_RECENT).collect();
     }
 
     pub(super) fn is_open(&self) -> bool {
@@ -97,7 +97,7 @@ impl Dialogs {
         }
         self.recent.retain(|path| !fresh.contains(path));
         self.recent.splice(0..0, fresh);
-        self.recent.truncate(RECENT);
+        self.recent.truncate(MAX_RECENT);
         let lines: String = self.recent.iter().map(|path| format!("{}\n", path.display())).collect();
         if let Some(list) = &self.list
             && let Err(error) = write_whole(list, lines.as_bytes())

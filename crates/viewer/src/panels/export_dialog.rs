@@ -2,7 +2,7 @@
 
 use super::status::Status;
 use super::widgets::{Field, button, field, fit, named, number, short, switch};
-use crate::document::exports::{BEHIND, ExportOrder, Exports, GRID, Kind, Motion, is_installed};
+use crate::document::exports::{ExportOrder, Exports, GRID, Kind, Motion, VIDEO_BACKGROUND, is_installed};
 use crate::document::model::Model;
 use egui::{DragValue, Id, TextEdit, Ui, Window};
 use hypertexture::scene::schema::Unit;
@@ -71,7 +71,7 @@ impl ExportDialog {
             scene.camera.time = status.playback.range[0];
         }
         if self.kind == Kind::Video {
-            scene.image.background.get_or_insert(BEHIND);
+            scene.image.background.get_or_insert(VIDEO_BACKGROUND);
         }
         let turntable = Some(self.motion.turns(!scene.animation.is_empty()));
         let motion = matches!(self.kind, Kind::Sequence | Kind::Video).then_some(Motion { turntable, ..self.motion });

@@ -17,7 +17,7 @@ const DRAG: f32 = 1.0 / 400.0;
 const NOT_CHOSEN: [&str; 4] = ["objects", "stack", "surface_segment", "soft_segment"];
 
 /// A setting of 32 numbers, which only programs set.
-const MADE: &str = "camera.matrices";
+const SET_BY_PROGRAMS: &str = "camera.matrices";
 
 /// Basic settings.
 const BASIC: [&str; 28] = [
@@ -82,7 +82,7 @@ pub(super) fn show_some(ui: &mut Ui, pass: &mut Pass<'_>, prefix: &str, name: &s
 }
 
 fn control(ui: &mut Ui, pass: &mut Pass<'_>, prefix: &str, setting: &Setting, offered: &dyn Fn(u32) -> bool) {
-    if (pass.advanced || BASIC.contains(&setting.name)) && setting.name != MADE {
+    if (pass.advanced || BASIC.contains(&setting.name)) && setting.name != SET_BY_PROGRAMS {
         let name = format!("{prefix}{}", setting.name);
         field_menu::of_setting(ui, pass, &name, |ui, pass| {
             pass.dimmed(ui, &name, |ui, pass| {

@@ -12,13 +12,13 @@ use toml::Value;
 /// Maximal width of a label, points.
 const LABEL: f32 = 122.0;
 /// Width of a row besides its label and slider: a number, a button and gaps, points.
-const BESIDE: f32 = 72.0 + VALUE;
+const ROW_REST: f32 = 72.0 + VALUE;
 /// Width below which a label is above its control, points.
 const NARROW: f32 = 260.0;
 /// Width of a small button at the end of a row with its gap, points.
 const RESET: f32 = 28.0;
 /// Width beside a slider whose label is above it, points.
-const BELOW: f32 = 96.0 + VALUE;
+const SLIDER_REST: f32 = 96.0 + VALUE;
 /// Width of a number with its unit, so that what stands behind it is in one column, points.
 const VALUE: f32 = 58.0;
 /// Significant digits of a number.
@@ -77,7 +77,7 @@ pub fn come_into_view(ui: &Ui, response: &Response) {
 
 /// Fits labels and sliders to the available width.
 pub fn fit(ui: &mut Ui) {
-    let beside = if is_narrow(ui) { BELOW } else { label_width(ui) + BESIDE };
+    let beside = if is_narrow(ui) { SLIDER_REST } else { label_width(ui) + ROW_REST };
     ui.spacing_mut().slider_width = (ui.available_width() - beside).clamp(24.0, 118.0);
 }
 

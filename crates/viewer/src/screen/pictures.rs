@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use std::sync::{Arc, LazyLock};
 
 /// Gray levels of the checkerboard behind transparent pictures: dark, so that glow is visible.
-const BEHIND: [u8; 2] = [28, 42];
+const CHECKERBOARD: [u8; 2] = [28, 42];
 /// Side of its squares, screen pixels.
 const SQUARE: f32 = 12.0;
 /// Cells along a side of a reprojected picture. Lower: bent edges.
@@ -48,14 +48,14 @@ fn image(light: &[[f32; 3]], size: [u32; 2]) -> ColorImage {
 fn shown(pixel: &[f32; 4], background: Option<[f32; 3]>) -> Color32 {
     let over = |behind: [f32; 3]| [0, 1, 2].map(|c| code(pixel[c] + (1.0 - pixel[3]) * behind[c]));
     let behind = match background {
-        None if pixel[3] < 1.0 => BEHIND.map(|grey| over(Color([grey; 3]).linear())),
+        None if pixel[3] < 1.0 => CHECKERBOARD.map(|grey| over(Color([grey; 3]).linear())),
         behind => {
             let [r, g, b] = rounded(over(behind.unwrap_or_default()));
             return Color32::from_rgb(r, g, b);
         }
     };
     let [dark, light] = behind;
-    let [low, high] = BEHIND.map(f32::from);
+    let [low, high] = CHECKERBOARD.map(f32::from);
     let through = (light.iter().sum::<f32>() - dark.iter().sum::<f32>()) / (3.0 * (high - low));
     let own = [0, 1, 2].map(|c| 0.5 * (dark[c] + light[c]) - through * 0.5 * (low + high));
     let [r, g, b] = rounded(own);
@@ -91,7 +91,7 @@ pub(crate) fn behind(background: Option<Color>) -> [[f32; 4]; 2] {
     };
     match background {
         Some(color) => [with(color, 0.0); 2],
-        None => BEHIND.map(|grey| with(Color([grey; 3]), f32::from(grey) / 255.0)),
+        None => CHECKERBOARD.map(|grey| with(Color([grey; 3]), f32::from(grey) / 255.0)),
     }
 }
 
@@ -109,13 +109,13 @@ pub(crate) fn encode_srgb(frames: &[&[[f32; 4]]], backgrounds: &[Option<Color>],
 fn checkerboard(place: Rect, pixels_per_point: f32) -> Mesh {
     let side = SQUARE / pixels_per_point;
     let mut mesh = Mesh::default();
-    mesh.add_colored_rect(place, Color32::from_gray(BEHIND[0]));
+    mesh.add_colored_rect(place, Color32::from_gray(CHECKERBOARD[0]));
     let [columns, rows] = [place.width(), place.height()].map(|length| (length / side).ceil() as u32);
     for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
         if (row + column) % 2 == 0 {
             let corner = place.min + side * Vec2::new(column as f32, row as f32);
             let square = Rect::from_min_size(corner, Vec2::splat(side)).intersect(place);
-            mesh.add_colored_rect(square, Color32::from_gray(BEHIND[1]));
+            mesh.add_colored_rect(square, Color32::from_gray(CHECKERBOARD[1]));
         }
     }
     mesh
@@ -296,7 +296,7 @@ mod tests {
             let light = std::array::from_fn::<f32, 3, _>(|_| random.unit() as f32 * opacity);
             let pixel = [light[0], light[1], light[2], opacity];
             let [r, g, b, a] = shown(&pixel, None).to_array();
-            for grey in BEHIND {
+            for grey in CHECKERBOARD {
                 let [behind, ..] = Color([grey; 3]).linear();
                 for (own, light) in [r, g, b].into_iter().zip(light) {
                     let mixed = f32::from(own) + (1.0 - f32::from(a) / 255.0) * f32::from(grey);
@@ -327,7 +327,7 @@ mod tests {
                 Shape::Mesh(mesh) if mesh.texture_id == TextureId::default() => Some(mesh.vertices.clone()),
                 _ => None,
             });
-            let light = Color32::from_gray(BEHIND[1]);
+            let light = Color32::from_gray(CHECKERBOARD[1]);
             let corners = meshes.flatten().filter(|vertex| vertex.color == light).map(|vertex| vertex.pos);
             let corners: Vec<_> = corners.collect();
             output.drop_without_applying_deltas();

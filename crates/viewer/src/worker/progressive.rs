@@ -29,7 +29,7 @@ const LEVELS: [[u32; 2]; 20] = [
 /// Largest predicted fraction of the budget for a better level. Nearer to 1: noise in the times changes the level.
 pub(super) const HEADROOM: f64 = 0.7;
 /// Largest fraction of the budget for time outside of the device, which no level can save.
-const OTHER: f64 = 0.3;
+const MAX_OVERHEAD: f64 = 0.3;
 /// Multiple of the budget after which a preview is aborted for a coarser one.
 pub(crate) const GIVEN_UP_AT: f64 = 2.0;
 /// Minimum of samples. Lower: slices become visible.
@@ -41,7 +41,7 @@ const STROKE_RAYS: u32 = 16;
 /// Minimum of rays along a side of the shadow volume of previews.
 const MIN_RAYS: u32 = 8;
 /// Number of recent previews, whose median predicts the next one: a single pause of the machine changes no level.
-pub(super) const RECENT: usize = 3;
+pub(super) const RECENT_PREVIEWS: usize = 3;
 /// Pixels along a side of a refinement tile: the tile size of lavapipe's threads.
 const TILE: u32 = 64;
 /// Maximum of sub-frames in a mean: the limit of `quality.supersampling`.
@@ -160,11 +160,11 @@ impl Budget {
     /// Records the time of a preview on the device and elsewhere, and adapts the level.
     pub(crate) fn took(&mut self, scene: &Scene, device_ms: f64, other_ms: f64) {
         self.recent.push([device_ms / self.level.work(scene), other_ms]);
-        if self.recent.len() > RECENT {
+        if self.recent.len() > RECENT_PREVIEWS {
             self.recent.remove(0);
         }
         let [cost, other] = medians(&self.recent);
-        let other = other.clamp(0.0, OTHER * self.ms);
+        let other = other.clamp(0.0, MAX_OVERHEAD * self.ms);
         let predicted = |level: usize| other + cost * Level(level).work(scene);
         let (now, last) = (self.level.0, LEVELS.len() - 1);
         let fits = |level: &usize| predicted(*level) <= HEADROOM * self.ms;

@@ -11,7 +11,7 @@ use hypertexture::shader::Library;
 
 /// Number of prepared scenes per renderer: the scene, and its preview, which may use the other pass or smaller noise
 /// blocks.
-const KEPT: usize = 2;
+const CACHED_SCENES: usize = 2;
 
 /// Renderers of a variant, each with its own cache.
 pub(super) struct VariantRenderers {
@@ -29,7 +29,7 @@ impl VariantRenderers {
     pub(super) fn new(gpu: &Gpu, variant: &LoadedScene) -> VariantRenderers {
         let renderer = || Renderer::new(gpu, &variant.library, &variant.subject);
         let mut own = renderer();
-        own.set_cache_size(KEPT);
+        own.set_cache_size(CACHED_SCENES);
         VariantRenderers { own, mean: BackgroundRenderer::new(renderer()), trial: None, faster: None }
     }
 

@@ -16,9 +16,9 @@ use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 /// Least depth in front of the eye at which a part of the picture is known, object units.
-const NEAR: f32 = 1e-2;
+const MIN_DEPTH: f32 = 1e-2;
 /// Step of the coarsest groom, object units, for a groom that is gone.
-const COARSEST: f32 = 2.25 / 32.0;
+const MAX_VOXEL: f32 = 2.25 / 32.0;
 
 /// A part of a picture: left and top, right and bottom, in fractions of its width and height.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,7 +37,7 @@ impl Part {
                 let sign = |axis: u8| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
                 let place = at + (radius + reach) * Vec3::new(sign(0), sign(1), sign(2));
                 let on_screen = 0.5 * (Vec2::from(pose.place(place)) + Vec2::ONE);
-                if (place - eye).dot(along) < NEAR || !on_screen.is_finite() {
+                if (place - eye).dot(along) < MIN_DEPTH || !on_screen.is_finite() {
                     return None;
                 }
                 part = Part { low: part.low.min(on_screen), high: part.high.max(on_screen) };
@@ -106,7 +106,7 @@ impl RenderThread {
         let outer = parameters.and_then(|own| own.outer_iso()).unwrap_or(scene.object.outer_iso);
         let pose = pose_of(variant)?;
         // A lookup reads the next voxel, and a slope of the groom the one behind it.
-        let voxels = 2.0 * variant.subject.groom.as_ref().map_or(COARSEST, |groom| groom.step());
+        let voxels = 2.0 * variant.subject.groom.as_ref().map_or(MAX_VOXEL, |groom| groom.step());
         let Some(part) = Part::of(touches, outer + voxels, &pose) else { return Ok(None) };
         let (mut pictures, from) = before.best();
         let size = scene.image.size;

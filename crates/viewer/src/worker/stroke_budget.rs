@@ -1,6 +1,6 @@
 //! Time budget of pictures during a stroke of the brush.
 
-use super::progressive::{GIVEN_UP_AT, HEADROOM, Level, RECENT, medians};
+use super::progressive::{GIVEN_UP_AT, HEADROOM, Level, RECENT_PREVIEWS, medians};
 use hypertexture::scene::Scene;
 
 /// Multiple of the budget of previews: a brush may follow the pointer later than the view does.
@@ -41,7 +41,7 @@ impl StrokeBudget {
     /// Records the time of a picture on the device and elsewhere.
     pub(super) fn took(&mut self, work: f64, device_ms: f64, other_ms: f64) {
         self.recent.push([device_ms / work.max(1.0), other_ms]);
-        if self.recent.len() > RECENT {
+        if self.recent.len() > RECENT_PREVIEWS {
             self.recent.remove(0);
         }
     }

@@ -7,9 +7,9 @@ use std::f32::consts::PI;
 /// Pixels along a side of a program's target.
 const SIDE: u32 = 64;
 /// Largest error of a place on the map of shadows, whose sides are 1: f32 near the pole behind the light.
-const ROUNDED: f64 = 6e-6;
+const MAX_PLACE_ERROR: f64 = 6e-6;
 /// Error from which on a sine is coarse: f32 has 1e-7, and Vulkan allows 5e-4.
-const COARSE: f64 = 1e-5;
+const COARSE_SINE: f64 = 1e-5;
 
 /// Texels of a program of `glsl/doctor`, row by row.
 fn drawn(bench: &Bench<'_>, fragment: &str, setting: Option<f32>) -> Result<Vec<[f32; 4]>, ProbeError> {
@@ -78,7 +78,7 @@ fn judged_sines(texels: &[[f32; 4]]) -> Outcome {
         arc = arc.max(off(atan, own));
     }
     let measured = format!("sin and cos are off by up to {sine:.1e}, atan by {arc:.1e}");
-    match (place <= ROUNDED, sine.max(arc) <= COARSE) {
+    match (place <= MAX_PLACE_ERROR, sine.max(arc) <= COARSE_SINE) {
         (true, true) => ("PASS", format!("{measured}, places of shadows by {place:.1e}")),
         (true, false) => (
             "NOTE",

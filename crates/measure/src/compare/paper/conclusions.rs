@@ -14,7 +14,7 @@ const REAL_TIME: f64 = 24.0;
 /// Ratios that count as marginal.
 const MARGINAL: [f64; 2] = [0.9, 1.1];
 /// Figures that are written out; of more, the least and the largest.
-const FEW: usize = 4;
+const MAX_FIGURES: usize = 4;
 
 /// A claim of the paper beside the measurement.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -96,8 +96,11 @@ fn conclude(claim: &str, paper: String, ours: &Figures, verdict: impl Fn([f64; 2
     sorted.sort_by(|a, b| a.1.total_cmp(&b.1));
     let (low, high) = (sorted.first()?, sorted.last()?);
     let figure = |(name, value): &(String, f64)| format!("{} ({name})", short(*value));
-    let all =
-        if sorted.len() > FEW { format!("{} to {}", figure(low), figure(high)) } else { list(ours.iter().map(figure)) };
+    let all = if sorted.len() > MAX_FIGURES {
+        format!("{} to {}", figure(low), figure(high))
+    } else {
+        list(ours.iter().map(figure))
+    };
     Some(Conclusion { claim: claim.into(), paper, ours: all, verdict: verdict([low.1, high.1]) })
 }
 

@@ -3,6 +3,6 @@
 mod order;
 mod queue;
 
-pub(crate) use order::{BEHIND, ExportOrder, GRID, Kind, Motion, is_installed};
+pub(crate) use order::{ExportOrder, GRID, Kind, Motion, VIDEO_BACKGROUND, is_installed};
 pub use order::{JOB, RenderAnswer, RenderJob};
 pub(crate) use queue::Exports;

@@ -26,7 +26,7 @@ pub(crate) const GRID: u32 = 128;
 /// Size limit of a manifest, bytes.
 const MAX_MANIFEST: u64 = 1 << 24;
 /// Background of a video, which has no transparency, if the scene has none.
-pub(crate) const BEHIND: Color = Color([22, 23, 26]);
+pub(crate) const VIDEO_BACKGROUND: Color = Color([22, 23, 26]);
 /// Limits beyond those of any machine: a final picture may take days.
 const UNLIMITED_TIME: Duration = Duration::from_secs(1 << 30);
 const UNLIMITED_MIB: u64 = 1 << 30;

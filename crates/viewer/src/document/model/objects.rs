@@ -5,7 +5,7 @@ use hypertexture::scene::{Part, Scene, Transform};
 use hypertexture::shader::slots::MAIN;
 
 /// Distance of a copy from its original, in units of the original.
-const ASIDE: f32 = 0.25;
+const COPY_OFFSET: f32 = 0.25;
 
 impl Model {
     /// Adds an object and appends it to the formula. Returns its name.
@@ -36,7 +36,7 @@ impl Model {
             }
         };
         let [x, y, z] = part.transform.at;
-        part.transform.at = [x + ASIDE * part.transform.scale, y, z];
+        part.transform.at = [x + COPY_OFFSET * part.transform.scale, y, z];
         let good = self.edit(&format!("duplicate {}", from.unwrap_or(MAIN)), |scene| {
             scene.parts.insert(name.clone(), part);
             if let Some(formula) = &mut scene.combine {
