@@ -115,7 +115,8 @@ fn small(scene: &Scene) -> Scene {
 pub fn try_modules(
     program: &Path,
     device: Option<&str>,
-    (scene, library): (&impl Checkable, &Library),
+    scene: &impl Checkable,
+    library: &Library,
     is_stale: &dyn Fn() -> bool,
 ) -> Result<Option<f64>, CompileError> {
     let refused = |error: VariantError| CompileError::Refused(error.to_string());

@@ -312,7 +312,8 @@ pub(crate) fn pipeline(
 
 /// Binds the inputs of rays, and the target of a compute shader.
 pub(super) fn bind_rays(
-    (program, pipeline): (&Program, &gpu::Pipeline),
+    program: &Program,
+    pipeline: &gpu::Pipeline,
     mut resources: Vec<(u32, gpu::Resource)>,
     target: Option<&Arc<Image>>,
 ) -> Result<gpu::BindSet, gpu::GpuError> {

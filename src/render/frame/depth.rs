@@ -85,7 +85,7 @@ impl Depth {
         target: Option<&Arc<Image>>,
     ) -> Result<BindSet, RenderError> {
         let blocks = bind::buffers(gpu, &bound.blocks_of(&self.program)?)?;
-        Ok(bind::bind_rays((&self.program, &self.pipeline), bound.with(&blocks), target)?)
+        Ok(bind::bind_rays(&self.program, &self.pipeline, bound.with(&blocks), target)?)
     }
 
     /// Draws the depth, object units, row by row from the top. `stop` receives the milliseconds on the device.

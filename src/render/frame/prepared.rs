@@ -335,7 +335,7 @@ impl Prepared {
                     pass::draw(gpu, pipeline, [&set; 2], vertices, stack, places, target, &between, &mut control)?
                 }
                 (None, _) => {
-                    let set = bind::bind_rays((&self.program, pipeline), self.bound.resources(), Some(color))?;
+                    let set = bind::bind_rays(&self.program, pipeline, self.bound.resources(), Some(color))?;
                     pass::march(gpu, pipeline, &set, (tiles.of_rays(), frame.planes.count), target, &mut control)?
                 }
             });

@@ -180,7 +180,7 @@ impl ShadowCaster {
         let plane = Dimension::Plane(width, height);
         let color = Arc::new(Image::new(gpu, "shadow segments", plane, SEGMENTS, ImageUse::Target(1))?);
         let blocks = bind::buffers(gpu, &bound.blocks_of(&self.program)?)?;
-        let set = bind::bind_rays((&self.program, &self.pipeline), bound.with(&blocks), Some(&color))?;
+        let set = bind::bind_rays(&self.program, &self.pipeline, bound.with(&blocks), Some(&color))?;
         let target = gpu::Target::of(&color);
         let all = [gpu::Area::whole([width, height])];
         let mut control = SubmissionControl { budget: &mut self.budget, stop: &|ms, _| stop(ms) };

@@ -144,10 +144,10 @@ impl Prepared {
                 continue;
             }
             if limit.is_infinite() {
-                limit = BETTER_SHARE * self.time_part((&self.program, &self.pipelines.picture), frame, stop)?;
+                limit = BETTER_SHARE * self.time_part(&self.program, &self.pipelines.picture, frame, stop)?;
             }
             let pipeline = self.pipeline_of(&program)?;
-            let ms = self.time_part((&program, &pipeline), frame, stop)?;
+            let ms = self.time_part(&program, &pipeline, frame, stop)?;
             if ms < limit {
                 (fastest, limit) = (Some((other, program, pipeline)), ms);
             }
@@ -163,12 +163,13 @@ impl Prepared {
     /// Least time of a part of a picture, milliseconds on the device.
     fn time_part(
         &self,
-        (program, pipeline): (&Program, &Pipeline),
+        program: &Program,
+        pipeline: &Pipeline,
         frame: &FrameContext,
         stop: &dyn Fn(f64) -> bool,
     ) -> Result<f64, RenderError> {
         let Some((color, _)) = &self.targets else { return Ok(f64::INFINITY) };
-        let set = bind_rays((program, pipeline), self.bound.resources(), Some(color))?;
+        let set = bind_rays(program, pipeline, self.bound.resources(), Some(color))?;
         let [width, height, _] = color.size();
         let rows = (0..height.div_ceil(8)).step_by(PART as usize).map(|row| 8 * row..(8 * row + 8).min(height));
         let areas: Vec<Area> = rows.map(|rows| Area { columns: 0..width, rows }).collect();

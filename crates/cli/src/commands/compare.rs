@@ -160,7 +160,7 @@ fn live_pages(
         let provenance = Provenance::of(scene, &session.gpu.info().title(), &frame.measurements)?;
         let picture = encode_png(frame, scene.image.background, Depth::Eight, &provenance)?;
         let path = folder.join(report::live_page(*row));
-        if live((session.library, session.subject), scene, (&title, &picture), &path)? {
+        if live(session.library, session.subject, scene, &title, &picture, &path)? {
             rows.push(*row);
         }
     }

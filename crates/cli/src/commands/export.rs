@@ -63,22 +63,29 @@ struct Exported {
     command: String,
 }
 
-/// The checked scene of a command, and the command that makes its output, without the name of the output.
+/// A checked scene.
+struct Source {
+    scene: CheckedScene,
+    /// The command that makes the output, without its name.
+    command: String,
+}
+
+/// The checked scene of the command `name`.
 fn checked(
-    (name, input): (&str, &str),
-    (arguments, object): (&SceneArguments, &ObjectFlags),
-) -> Result<(CheckedScene, String), Box<dyn Error>> {
+    name: &str,
+    input: &str,
+    arguments: &SceneArguments,
+    object: &ObjectFlags,
+) -> Result<Source, Box<dyn Error>> {
     let scene = arguments.scene_and_base(input, object)?;
     let command = command_of(name, &scene.scene, &scene.scene.library()?);
-    Ok((CheckedScene::of(scene.smooth())?, command))
+    Ok(Source { scene: CheckedScene::of(scene.smooth())?, command })
 }
 
 /// Prepares a scene and makes its programs and inputs.
-fn exported(
-    (scene, command): (CheckedScene, String),
-    preparation: &Preparation<'_>,
-) -> Result<Exported, Box<dyn Error>> {
+fn exported(source: Source, preparation: &Preparation<'_>) -> Result<Exported, Box<dyn Error>> {
     let quiet = preparation.quiet;
+    let Source { scene, command } = source;
     let prepared = scene.prepare(preparation)?;
     let Prepared { moving, library, subject, .. } = &prepared;
     let portable = with_progress(quiet, "program", |progress| Portable::of(library, moving, subject, progress))?;
@@ -92,24 +99,25 @@ fn exported(
 /// Writes a page.
 pub(crate) fn web(command: &Web, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     command.path()?;
-    let scene = checked(("web", &command.input), (&command.arguments, &command.object))?;
+    let source = checked("web", &command.input, &command.arguments, &command.object)?;
     let stem = Path::new(&command.input).file_stem().unwrap_or_default().to_string_lossy().replace('_', " ");
     let title = command.arguments.effect.as_ref().map_or(stem.clone(), |effect| format!("{effect} on {stem}"));
-    write_page(command, scene, &title, options, quiet)
+    write_page(command, source, &title, options, quiet)
 }
 
 /// Writes the page of a scene that the window shows.
 #[cfg(feature = "viewer")]
 pub(crate) fn web_of(
     command: &Web,
-    (scene, library): (SceneInput, Library),
+    scene: SceneInput,
+    library: Library,
     options: &Options,
     quiet: bool,
 ) -> Result<(), Box<dyn Error>> {
-    let line = command_of("web", &scene.scene, &library);
-    let scene = CheckedScene::with_library(scene.smooth(), library)?;
+    let command_line = command_of("web", &scene.scene, &library);
+    let source = Source { scene: CheckedScene::with_library(scene.smooth(), library)?, command: command_line };
     let title = command.path()?.file_stem().unwrap_or_default().to_string_lossy().replace('_', " ");
-    write_page(command, (scene, line), &title, options, quiet)
+    write_page(command, source, &title, options, quiet)
 }
 
 impl Web {
@@ -126,7 +134,7 @@ impl Web {
 
 fn write_page(
     command: &Web,
-    scene: (CheckedScene, String),
+    source: Source,
     title: &str,
     options: &Options,
     quiet: bool,
@@ -136,10 +144,10 @@ fn write_page(
         &if is_single { Outputs::Files(vec![("--output", path.clone())]) } else { Outputs::Folder(path.clone()) };
     let (input, device) = (command.input.as_str(), Some(options));
     let preparation = Preparation { input, outputs, device, serves_all_moments: true, quiet };
-    let Exported { prepared, portable, command: line } = exported(scene, &preparation)?;
+    let Exported { prepared, portable, command: line } = exported(source, &preparation)?;
     let Prepared { variant, library, subject, fault, .. } = prepared;
     let picture = with_device(options, |gpu| {
-        let frame = draw(gpu, &library, (&variant, &subject), quiet)?;
+        let frame = draw(gpu, &library, &variant, &subject, quiet)?;
         let provenance = Provenance::of(&variant.scene, &gpu.info().title(), &frame.measurements)?;
         Ok(encode_png(&frame, variant.scene.image.background, Depth::Eight, &provenance)?)
     })?;
@@ -159,18 +167,20 @@ fn write_page(
 pub(crate) fn export(command: &Export, quiet: bool) -> Result<(), Box<dyn Error>> {
     let outputs = &Outputs::Folder(command.output.clone());
     let input = command.input.as_str();
-    let scene = checked(("export", input), (&command.arguments, &command.object))?;
+    let source = checked("export", input, &command.arguments, &command.object)?;
     let preparation = Preparation { input, outputs, device: None, serves_all_moments: true, quiet };
-    let exported = exported(scene, &preparation)?;
+    let exported = exported(source, &preparation)?;
     write(&command.output, &folder(&exported.portable, &exported.command)?)?;
     say_written(&command.output.join("scene.json"), exported.prepared.fault, quiet)
 }
 
 /// Writes the page of a checked scene beside others; false if the scene cannot be carried.
 pub(crate) fn live(
-    (library, subject): (&Library, &Subject),
+    library: &Library,
+    subject: &Subject,
     scene: &Scene,
-    (title, picture): (&str, &[u8]),
+    title: &str,
+    picture: &[u8],
     path: &Path,
 ) -> Result<bool, Box<dyn Error>> {
     let portable = match Portable::of(library, scene, subject, &|_| ()) {

@@ -64,9 +64,9 @@ pub(crate) fn run(command: &GalleryArguments, options: &Options, quiet: bool) ->
     // Checked before the first picture, which creates the folder.
     check_folder(&command.output)?;
     let (began, start) = (Instant::now(), start(options)?);
-    let (library, folder, web) = (&library, &command.output, command.web);
+    let (library, output) = (&library, &Output { folder: &command.output, web: command.web });
     let Gallery { page, failures } =
-        announced(quiet, "gallery", |progress| write(&gpu, library, &scenes, &start, (folder, web), progress))?;
+        announced(quiet, "gallery", |progress| write(&gpu, library, &scenes, &start, output, progress))?;
     if !quiet {
         say(&format!(
             "rendered {} scenes in {:.1} s on {}\nwrote {}\n",
@@ -117,8 +117,15 @@ pub struct Gallery {
     pub failures: Vec<(String, String)>,
 }
 
-/// Renders the scenes by workers into `folder`, and writes `index.html` there. A scene that crashes the driver is left out.
-/// With `web`, writes the page of each scene that can be carried.
+/// Output of a gallery.
+pub struct Output<'a> {
+    /// The folder of `index.html` and the pictures.
+    pub folder: &'a Path,
+    /// Whether to write the page of each scene that can be carried.
+    pub web: bool,
+}
+
+/// Renders the scenes by workers, and writes their pictures and `index.html`. A scene that crashes the driver is left out.
 ///
 /// # Errors
 /// A scene that cannot be drawn, or a file that cannot be written.
@@ -127,9 +134,10 @@ pub fn write(
     library: &Library,
     scenes: &[(String, Scene)],
     start: &Start,
-    (folder, web): (&Path, bool),
+    output: &Output<'_>,
     progress: Progress<'_>,
 ) -> Result<Gallery, Box<dyn Error>> {
+    let Output { folder, web } = *output;
     let io = |path: &Path| {
         let path = path.display().to_string();
         move |source| OutputError::Write { path, source }
@@ -169,7 +177,7 @@ pub fn write(
         let title = name.replace('_', " ");
         let is_live = web && {
             let subject = Subject::load(scene, library, &|_| ())?;
-            live((library, &subject), scene, (&title, &png), &folder.join(name))?
+            live(library, &subject, scene, &title, &png, &folder.join(name))?
         };
         let [link, end] =
             if is_live { [format!("<a href=\"{name}/index.html\">"), "</a>".into()] } else { Default::default() };

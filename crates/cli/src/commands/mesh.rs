@@ -106,7 +106,7 @@ pub(crate) fn export(command: &Mesh, scene: CheckedScene, quiet: bool) -> Result
     let mut object = FrameObject::of(&variant, &subject);
     for (scene, path) in &scenes {
         object.serve(&Variant::of(scene, &library)?, &library)?;
-        write(command, (&library, scene, &object.subject), (format, path), quiet)?;
+        write(command, &library, scene, &object.subject, &MeshFile { format, path }, quiet)?;
     }
     if !quiet {
         say_fault(fault);
@@ -114,13 +114,22 @@ pub(crate) fn export(command: &Mesh, scene: CheckedScene, quiet: bool) -> Result
     Ok(())
 }
 
+/// The file of a mesh.
+struct MeshFile<'a> {
+    format: MeshFormat,
+    path: &'a Path,
+}
+
 /// Polygonizes a frame and writes it.
 fn write(
     command: &Mesh,
-    (library, scene, subject): (&Library, &Scene, &Subject),
-    (format, path): (MeshFormat, &Path),
+    library: &Library,
+    scene: &Scene,
+    subject: &Subject,
+    file: &MeshFile<'_>,
     quiet: bool,
 ) -> Result<(), Box<dyn Error>> {
+    let MeshFile { format, path } = *file;
     let polygons = Polygons { grid: command.grid, density: command.density };
     let made = with_progress(quiet, "mesh", |progress| match format {
         MeshFormat::Stl => Ok((polygonize(library, scene, subject, polygons, progress)?, None)),

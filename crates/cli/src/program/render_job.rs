@@ -58,7 +58,7 @@ fn render_job(job: RenderJob, options: &Options) -> Result<(), Box<dyn Error>> {
         Command::Render(command) => render(&command, options, true, checked(scene)?),
         Command::Mesh(command) => mesh::export(&command, checked(scene)?, true),
         Command::Volume(command) => volume::export(&command, options, checked(scene)?, true),
-        Command::Web(command) => export::web_of(&command, (scene, library), options, true),
+        Command::Web(command) => export::web_of(&command, scene, library, options, true),
         _ => Err("the window asks for no such file".into()),
     }
 }

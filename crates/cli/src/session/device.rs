@@ -60,6 +60,6 @@ pub(crate) fn try_in_sandbox(
     options: Option<&Options>,
 ) -> Result<(), Box<dyn Error>> {
     let device = options.map(|options| options.device.as_deref().unwrap_or_default());
-    guard::try_modules(&std::env::current_exe()?, device, (variant, library), &|| false)?;
+    guard::try_modules(&std::env::current_exe()?, device, variant, library, &|| false)?;
     Ok(())
 }

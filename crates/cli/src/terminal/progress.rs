@@ -45,7 +45,7 @@ fn follow<T>(quiet: bool, what: &'static str, announce: bool, run: impl FnOnce(P
     if std::io::stderr().is_terminal() {
         with_bar(what, run)
     } else {
-        with_lines((what, PERIOD), announce, &|line| complain(&line), run)
+        with_lines(what, PERIOD, announce, &|line| complain(&line), run)
     }
 }
 
@@ -66,7 +66,8 @@ fn with_bar<T>(what: &str, run: impl FnOnce(Progress<'_>) -> T) -> T {
 }
 
 fn with_lines<T>(
-    (what, period): (&str, Duration),
+    what: &str,
+    period: Duration,
     announce: bool,
     say: &(dyn Fn(String) + Sync),
     run: impl FnOnce(Progress<'_>) -> T,
@@ -105,7 +106,7 @@ mod tests {
         for announce in [true, false] {
             let lines = Mutex::new(Vec::new());
             let say = |line: String| lines.lock().unwrap().push(line);
-            let result = with_lines(("work", Duration::from_millis(1)), announce, &say, |progress| {
+            let result = with_lines("work", Duration::from_millis(1), announce, &say, |progress| {
                 progress(0.25);
                 progress(0.5);
                 while lines.lock().unwrap().len() < 3 {
@@ -127,8 +128,8 @@ mod tests {
     fn what_ends_at_once_says_no_more_than_that_it_began() {
         let lines = Mutex::new(Vec::new());
         let say = |line: String| lines.lock().unwrap().push(line);
-        with_lines(("work", PERIOD), true, &say, |progress| progress(0.0));
-        with_lines(("work", PERIOD), true, &say, |_| ()); // refused before it began
+        with_lines("work", PERIOD, true, &say, |progress| progress(0.0));
+        with_lines("work", PERIOD, true, &say, |_| ()); // refused before it began
         assert_eq!(lines.lock().unwrap().len(), 1);
     }
 }

@@ -162,7 +162,15 @@ fn a_picture_of_the_gallery_is_that_of_its_scene() {
     }
     with_gpu(|gpu| {
         let library = shader::shipped();
-        gallery::write(gpu, &library, &scenes, &real(), (folder.path(), false), &|_| ()).unwrap();
+        gallery::write(
+            gpu,
+            &library,
+            &scenes,
+            &real(),
+            &gallery::Output { folder: folder.path(), web: false },
+            &|_| (),
+        )
+        .unwrap();
         for (name, scene) in &scenes {
             let subject = Subject::load(scene, &library, &|_| ()).unwrap();
             let own = render(gpu, &library, scene, &subject).unwrap();
@@ -187,7 +195,15 @@ fn a_driver_that_crashes_on_a_figure_costs_the_gallery_that_one() {
     }
     with_gpu(|gpu| {
         let out = folder.path().join("out");
-        let made = gallery::write(gpu, &shader::shipped(), &scenes, &start, (&out, false), &|_| ()).unwrap();
+        let made = gallery::write(
+            gpu,
+            &shader::shipped(),
+            &scenes,
+            &start,
+            &gallery::Output { folder: &out, web: false },
+            &|_| (),
+        )
+        .unwrap();
         assert_eq!(made.failures.len(), 1, "{:?}", made.failures);
         assert!(made.failures[0].0 == "bump" && made.failures[0].1.contains("signal 11"), "{:?}", made.failures);
         let page = fs::read_to_string(made.page).unwrap();

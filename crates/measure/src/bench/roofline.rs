@@ -64,7 +64,8 @@ impl Counts {
     pub(super) fn of(
         gpu: &Gpu,
         library: &Library,
-        (scene, subject): (&Scene, &Subject),
+        scene: &Scene,
+        subject: &Subject,
         fragments: Option<u64>,
     ) -> Result<Option<Counts>, RenderError> {
         if scene.effect.ray_path == RayPath::Refracted {
@@ -119,7 +120,7 @@ fn rate(gpu: &Gpu, library: &Library, program: usize, stage: ShaderStage) -> Res
         let run = Run::of_picture(&mut renderer, &scene)?;
         let ms = run.steadiest(gpu.info().cpu);
         if ms >= LONG_MS || turns >= MOST_TURNS {
-            let counts = Counts::of(gpu, library, (&scene, &subject), run.fragments)?;
+            let counts = Counts::of(gpu, library, &scene, &subject, run.fragments)?;
             return Ok(counts.map_or(0.0, |counts| if program == 0 { counts.operations } else { counts.fetches } / ms));
         }
         turns *= growth;
@@ -144,7 +145,7 @@ mod tests {
 
     fn counts(gpu: &Gpu, scene: &Scene) -> Counts {
         let subject = Subject::load(scene, &library(), &|_| ()).unwrap();
-        Counts::of(gpu, &library(), (scene, &subject), None).unwrap().unwrap()
+        Counts::of(gpu, &library(), scene, &subject, None).unwrap().unwrap()
     }
 
     #[test]

@@ -101,7 +101,7 @@ impl Ready<'_> {
     /// Counts the work of a picture of so many fragments.
     fn counts(&self, gpu: &Gpu, library: &Library, fragments: Option<u64>) -> Result<Option<Counts>, RenderError> {
         match self {
-            Ready::Picture(picture) => Counts::of(gpu, library, (&picture.0, &picture.1), fragments),
+            Ready::Picture(picture) => Counts::of(gpu, library, &picture.0, &picture.1, fragments),
             Ready::Field(..) => Ok(None),
         }
     }

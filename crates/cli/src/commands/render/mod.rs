@@ -198,7 +198,8 @@ pub(crate) fn render(
     } else {
         say
     };
-    let mut object = with_device(options, |gpu| draw(command, &plan, &prepared, (gpu, options), (quiet, tell)))?;
+    let mut object =
+        with_device(options, |gpu| draw(command, &plan, &prepared, gpu, options, Console { quiet, tell }))?;
     let fault = prepared.fault.as_ref();
     tell(&fault_line(fault));
     if command.json {
@@ -247,14 +248,24 @@ impl Plan {
     }
 }
 
+/// Messages of a command.
+#[derive(Clone, Copy)]
+struct Console {
+    quiet: bool,
+    /// Writes a message to the stream that carries no picture.
+    tell: fn(&str),
+}
+
 /// Draws the picture or predicts its cost. Result: measurements as JSON.
 fn draw(
     command: &Render,
     plan: &Plan,
     prepared: &Prepared,
-    (gpu, options): (&Gpu, &Options),
-    (quiet, tell): (bool, fn(&str)),
+    gpu: &Gpu,
+    options: &Options,
+    console: Console,
 ) -> Result<Map<String, Value>, Box<dyn Error>> {
+    let Console { quiet, tell } = console;
     let Plan { bound, shard, sequence, outputs } = plan;
     let Prepared { moving, library, subject, .. } = prepared;
     let (mut variant, mut drawn) = (Cow::Borrowed(&prepared.variant), None);

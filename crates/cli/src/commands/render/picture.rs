@@ -64,7 +64,7 @@ pub(crate) fn render_picture(picture: &Picture<'_>, drawn: Option<Frame>) -> Res
     let scene = &variant.scene;
     let frame = match drawn {
         Some(drawn) => drawn,
-        None => draw(gpu, library, (variant, subject), quiet)?,
+        None => draw(gpu, library, variant, subject, quiet)?,
     };
     let provenance = picture.provenance(scene, &frame)?;
     let (background, depth) = (scene.image.background, picture.depth());
@@ -89,7 +89,8 @@ pub(crate) fn render_picture(picture: &Picture<'_>, drawn: Option<Frame>) -> Res
 pub(crate) fn draw(
     gpu: &Gpu,
     library: &Library,
-    (variant, subject): (&Variant, &Subject),
+    variant: &Variant,
+    subject: &Subject,
     quiet: bool,
 ) -> Result<Frame, RenderError> {
     let mut renderer = Renderer::new(gpu, library, subject);

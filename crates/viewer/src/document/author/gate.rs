@@ -69,7 +69,7 @@ impl Gate {
         if let Some(verdict) = held(&self.verdicts).get(&key) {
             return verdict.clone().map_or(Ok(()), |reason| Err(CompileError::Refused(reason)));
         }
-        let tried = match try_modules(&self.program, self.device().as_deref(), (scene, library), is_stale) {
+        let tried = match try_modules(&self.program, self.device().as_deref(), scene, library, is_stale) {
             Ok(Some(ms)) if ms > MOST_MS => Err(CompileError::Slow { rays: RAYS, ms, most: MOST_MS }),
             tried => tried.map(drop),
         };
