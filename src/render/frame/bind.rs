@@ -277,16 +277,34 @@ fn read(image: &Image) -> ImageInfo {
     ImageInfo { name: image.name().into(), size: image.size(), channels, bits, bytes: image.bytes() }
 }
 
+/// Vertices and target of a pipeline.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) struct PipelineShape {
+    /// Numbers of each vertex attribute.
+    pub(crate) attributes: &'static [u32],
+    pub(crate) format: gpu::Format,
+    /// Samples of a pixel.
+    pub(crate) samples: u32,
+    pub(crate) blend: gpu::Blend,
+    /// Use of the opaque mask.
+    pub(crate) marks: gpu::Marks,
+}
+
+impl PipelineShape {
+    /// A pipeline without vertex attributes that replaces single samples of a format.
+    pub(crate) const fn of(format: gpu::Format) -> PipelineShape {
+        PipelineShape { attributes: &[], format, samples: 1, blend: gpu::Blend::Replace, marks: gpu::Marks::None }
+    }
+}
+
 /// Compiles the pipeline of a program with the octaves of a scene.
 pub(crate) fn pipeline(
     gpu: &Gpu,
     program: &Program,
     scene: &Scene,
-    attributes: &[u32],
-    format: gpu::Format,
-    samples: u32,
-    (blend, marks): (gpu::Blend, gpu::Marks),
+    shape: PipelineShape,
 ) -> Result<gpu::Pipeline, gpu::GpuError> {
+    let PipelineShape { attributes, format, samples, blend, marks } = shape;
     let mut bindings: Vec<gpu::Binding> = program.resources.iter().map(binding).collect();
     let (vertex, fragment, constants) = (&program.vertex, &program.fragment, &[(OCTAVES_ID, scene.effect.octaves)]);
     if program.is_compute {

@@ -3,10 +3,10 @@
 //! Role: for each pixel, the depth along the axis of view at which the opacity along the ray reaches 1/2. Invariant:
 //! rays take the samples of the picture, rays or slices, and no program of a picture depends on it.
 
-use super::bind::BoundInputs;
+use super::bind::{BoundInputs, PipelineShape};
 use super::submission_budget::{SubmissionBudget, SubmissionControl};
 use super::{bind, pass};
-use crate::gpu::{self, Area, BindSet, Dimension, Format, Gpu, Image, ImageUse, Pipeline, Target};
+use crate::gpu::{Area, BindSet, Dimension, Format, Gpu, Image, ImageUse, Pipeline, Target};
 use crate::render::camera::FrameContext;
 use crate::render::error::RenderError;
 use crate::render::variant::{Program, Purpose, Variant};
@@ -72,8 +72,7 @@ impl Depth {
         if let Some(made) = made.filter(|made| made.program == program) {
             return Ok(made);
         }
-        let how = (gpu::Blend::Replace, gpu::Marks::None);
-        let pipeline = bind::pipeline(gpu, &program, &variant.scene, &[], Format::R32Float, 1, how)?;
+        let pipeline = bind::pipeline(gpu, &program, &variant.scene, PipelineShape::of(Format::R32Float))?;
         Ok(Depth { program, pipeline: Arc::new(pipeline), budget: SubmissionBudget::default() })
     }
 

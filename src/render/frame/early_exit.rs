@@ -4,7 +4,7 @@
 //! batches depend on the number of slices alone, so a scene always gives one picture. Source: PH 3.1; Krueger and
 //! Westermann 2003, cited by GG 39.6 (reconstructed, since the chapter is cut).
 
-use super::bind::BoundInputs;
+use super::bind::{BoundInputs, PipelineShape};
 use super::{bind, pass};
 use crate::gpu::{self, Dimension, Format, Gpu, Image, ImageUse, Pipeline, Resource};
 use crate::render::error::RenderError;
@@ -37,9 +37,10 @@ impl OpaqueMask {
     }
 
     pub(crate) fn new(gpu: &Gpu, library: &Library, variant: &Variant) -> Result<OpaqueMask, RenderError> {
-        let (scene, how) = (&variant.scene, (gpu::Blend::Replace, gpu::Marks::Write));
+        let scene = &variant.scene;
+        let shape = PipelineShape { marks: gpu::Marks::Write, ..PipelineShape::of(Format::Depth16) };
         let program = variant.table(ENTRY, library)?.program(library, Linker::new)?;
-        let pipeline = bind::pipeline(gpu, &program, scene, &[], Format::Depth16, 1, how)?;
+        let pipeline = bind::pipeline(gpu, &program, scene, shape)?;
         Ok(OpaqueMask { program, pipeline, image: image(gpu, scene)? })
     }
 

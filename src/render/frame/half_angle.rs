@@ -6,7 +6,7 @@
 //! eye space, so the trackball does not move the slices (MJ 3.3). Source: GG 39.5.1; Kniss, Premoze, Hansen, Shirley
 //! and McPherson 2003 (reconstructed, since the chapter is cut).
 
-use super::bind::BoundInputs;
+use super::bind::{BoundInputs, PipelineShape};
 use super::submission_budget::SubmissionControl;
 use super::{bind, pass};
 use crate::gpu::{self, Blend, Buffer, BufferUse, Dimension, Format, Gpu, Image, ImageUse, Pipeline};
@@ -75,8 +75,8 @@ impl HalfAngle {
         let pipeline = match made.filter(|made| made.program == program) {
             Some(made) => made.pipeline,
             None => {
-                let blend = (Blend::Replace, gpu::Marks::None);
-                Arc::new(bind::pipeline(gpu, &program, scene, &[3], BUFFER, 1, blend)?)
+                let shape = PipelineShape { attributes: &[3], ..PipelineShape::of(BUFFER) };
+                Arc::new(bind::pipeline(gpu, &program, scene, shape)?)
             }
         };
         let buffers = buffers(gpu, scene.light.shadow_resolution)?;

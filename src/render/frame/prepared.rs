@@ -1,6 +1,6 @@
 //! Resources shared by the pictures of a scene, and the frame pipeline.
 
-use super::bind::BoundInputs;
+use super::bind::{BoundInputs, PipelineShape};
 use super::depth::{Depth, variant_by_rays};
 use super::destination::{Destination, targets};
 use super::early_exit::OpaqueMask;
@@ -37,7 +37,9 @@ pub(crate) struct Reusable {
 /// Compiled pipelines, with the state of their targets.
 #[derive(Clone)]
 pub(super) struct Pipelines {
-    shape: Shape,
+    /// Octaves of the picture's program.
+    octaves: u32,
+    shape: PipelineShape,
     pub(super) picture: Arc<gpu::Pipeline>,
     /// Shadow casting, with `light.shadows`.
     pub(super) caster: Option<ShadowCaster>,
@@ -49,13 +51,10 @@ pub(super) struct Pipelines {
     budget: SubmissionBudget,
 }
 
-/// Octaves, vertex attributes, target format, samples, blending, and use of the opaque mask.
-type Shape = (u32, &'static [u32], gpu::Format, u32, gpu::Blend, gpu::Marks);
-
 impl Pipelines {
     /// Blending of the picture's fragments.
     pub(super) fn blend(&self) -> gpu::Blend {
-        self.shape.4
+        self.shape.blend
     }
 }
 
@@ -128,13 +127,13 @@ impl Prepared {
         let ends_early = destination == Destination::Frame && OpaqueMask::serve(scene);
         let marks = ends_early.then(|| OpaqueMask::new(gpu, library, &variant)).transpose()?;
         let heeds = if marks.is_some() { gpu::Marks::Test } else { gpu::Marks::None };
-        let shape = (scene.effect.octaves, attributes, format, quality.msaa, blend, heeds);
+        let shape = PipelineShape { attributes, format, samples: quality.msaa, blend, marks: heeds };
+        let octaves = scene.effect.octaves;
         let (picture, caster, half_angle, mut depth, budget) =
-            match reusable.pipelines.filter(|made| made.shape == shape) {
+            match reusable.pipelines.filter(|made| (made.octaves, made.shape) == (octaves, shape)) {
                 Some(made) => (made.picture, made.caster, made.half_angle, made.depth, made.budget),
                 None => {
-                    let picture =
-                        bind::pipeline(gpu, &program, scene, attributes, format, quality.msaa, (blend, heeds))?;
+                    let picture = bind::pipeline(gpu, &program, scene, shape)?;
                     (Arc::new(picture), None, None, None, SubmissionBudget::default())
                 }
             };
@@ -146,7 +145,8 @@ impl Prepared {
         if let Destination::Host { has_depth: true, .. } = destination {
             depth = Some(Depth::new(gpu, library, &variant_by_rays(&variant, library)?, depth)?);
         }
-        let pipelines = Pipelines { shape, picture, caster, half_angle: half_angle.transpose()?, depth, budget };
+        let pipelines =
+            Pipelines { octaves, shape, picture, caster, half_angle: half_angle.transpose()?, depth, budget };
         compile_ms += pipeline_start.elapsed().as_secs_f64() * 1e3;
         let targets = match destination {
             Destination::Host { .. } => None,
@@ -269,8 +269,7 @@ impl Prepared {
 
     /// Pipeline of another program of the scene, for the targets.
     pub(super) fn pipeline_of(&self, program: &Program) -> Result<gpu::Pipeline, gpu::GpuError> {
-        let (_, attributes, format, samples, blend, heeds) = self.pipelines.shape;
-        bind::pipeline(&self.gpu, program, &self.variant.scene, attributes, format, samples, (blend, heeds))
+        bind::pipeline(&self.gpu, program, &self.variant.scene, self.pipelines.shape)
     }
 
     /// Draws later pictures by another program that reads the same resources.

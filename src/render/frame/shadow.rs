@@ -8,7 +8,7 @@
 //! the light would need n / 2 times as many. Propagation through the layers of an axis-aligned grid needs no more
 //! samples either, but blurs in each layer, and does not work for a light inside the scene.
 
-use super::bind::BoundInputs;
+use super::bind::{BoundInputs, PipelineShape};
 use super::filters::suited;
 use super::submission_budget::{SubmissionBudget, SubmissionControl};
 use super::{bind, pass};
@@ -123,8 +123,7 @@ impl ShadowCaster {
         if let Some(made) = made.filter(|made| made.program == program) {
             return Ok(made);
         }
-        let how = (gpu::Blend::Replace, gpu::Marks::None);
-        let pipeline = bind::pipeline(gpu, &program, &variant.scene, &[], SEGMENTS, 1, how)?;
+        let pipeline = bind::pipeline(gpu, &program, &variant.scene, PipelineShape::of(SEGMENTS))?;
         let (read, pipeline) = (program.members_read(), Arc::new(pipeline));
         Ok(ShadowCaster { program, read, pipeline, budget: SubmissionBudget::default(), last: None })
     }

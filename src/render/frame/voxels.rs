@@ -2,7 +2,7 @@
 //!
 //! Invariant: the density is that of [`polygonize`](crate::render::polygonize), in f32.
 
-use super::bind::{self, BoundInputs};
+use super::bind::{self, BoundInputs, PipelineShape};
 use super::filters::suited;
 use super::submission_budget::SubmissionBudget;
 use crate::gpu::{self, Area, BindSet, Buffer, BufferUse, Dimension, Format, Gpu, Image, ImageUse, Load, Target};
@@ -52,8 +52,8 @@ impl VoxelProgram {
         for moment in SubFrame::all(&frame.variant.scene).take(1) {
             bound.fill(gpu, &program, &frame, &moment, &|| false)?;
         }
-        let how = (gpu::Blend::Replace, gpu::Marks::None);
-        let pipeline = bind::pipeline(gpu, &program, &variant.scene, &ATTRIBUTES, Format::Rgba32Float, 1, how)?;
+        let shape = PipelineShape { attributes: &ATTRIBUTES, ..PipelineShape::of(Format::Rgba32Float) };
+        let pipeline = bind::pipeline(gpu, &program, &variant.scene, shape)?;
         let set = pipeline.bind(&bound.resources())?;
         let plane = Dimension::Plane(TARGET, TARGET);
         let target = Arc::new(Image::new(gpu, "voxels", plane, Format::Rgba32Float, ImageUse::Target(1))?);
