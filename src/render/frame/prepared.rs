@@ -348,10 +348,23 @@ impl Prepared {
         }
         let pixels = pictures.of_all();
         check_finite(&pixels, areas)?;
+        let measurements = self.measurements(&frame, &drawn, shadow_ms, shadow_before_ms);
+        Ok(Some(Frame { size: scene.image.size, pixels, measurements }))
+    }
+
+    /// Measurements of a picture; the renderer adds those of all its work.
+    fn measurements(
+        &mut self,
+        frame: &FrameContext,
+        drawn: &pass::PassTiming,
+        shadow_ms: Option<f64>,
+        shadow_before_ms: f64,
+    ) -> Measurements {
         let images = self.targets.iter().flat_map(|(color, resolved)| std::iter::once(&**color).chain(resolved));
         let images = images.chain(self.marks.as_ref().map(|marks| &marks.image));
         let targets: u64 = images.map(gpu::Image::bytes).sum();
-        let measurements = Measurements {
+        let scene = &frame.variant.scene;
+        Measurements {
             modules: frame.variant.key(),
             is_compute: self.program.is_compute,
             is_direct: scene.quality.pass == Pass::March && !self.variant.uses_two_phase(),
@@ -382,7 +395,6 @@ impl Prepared {
                 .filter(|own| own.spread.held)
                 .map(|own| own.spread.hold_radius)
                 .reduce(f32::min),
-        };
-        Ok(Some(Frame { size: scene.image.size, pixels, measurements }))
+        }
     }
 }
