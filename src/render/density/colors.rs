@@ -13,7 +13,7 @@ use rayon::prelude::*;
 /// Points in a batch of a thread.
 const BATCH: usize = 1024;
 
-/// Color of the matter at places in object space, linear RGB in \[0, 1\]: black where there is none.
+/// Color of the matter at places in object space, linear RGB in \[0, 1\]: black where there is no matter.
 pub(super) fn colors(
     library: &Library,
     drawn: &Variant,

@@ -29,7 +29,7 @@ pub(crate) struct Info {
 /// Reads and describes a file.
 pub(crate) fn run(command: &Info) -> Result<(), Box<dyn Error>> {
     let found = Facts::of(&command.input, command.grid.as_deref());
-    // A groom is a NRRD that is no volume.
+    // A groom is a NRRD file, but not a volume.
     let groom = if found.is_err() { Groom::read(Path::new(&command.input)).ok() } else { None };
     let facts = match &groom {
         Some(groom) => Facts::of_groom(groom),

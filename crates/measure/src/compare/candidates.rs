@@ -10,16 +10,16 @@ use hypertexture::scene::{Filter, Integration, Pass, Scene, TargetFormat};
 use hypertexture::shader::Library;
 use serde::Serialize;
 
-/// Which candidates there are.
+/// Choice of candidates.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sweep {
-    /// Few of them; without samples below, more of these where they are worth it.
+    /// Few candidates; without `samples`, more of them along the front.
     pub quick: bool,
     /// Samples; without them, 16 to 128 or 512.
     pub samples: Option<Vec<u32>>,
     /// Names of strategies, or of their turbulence; without them, all that the library has.
     pub strategies: Option<Vec<String>>,
-    /// The other filter too: where the device's own has weights of few bits, what the scene has may be off by it.
+    /// The other filter too: filters of some devices have weights of few bits, which may change a picture.
     pub filters: bool,
 }
 
@@ -60,7 +60,7 @@ pub struct Curve {
     pub block: Option<u32>,
     /// Format that slices are blended in; `None` of rays, which add up in registers.
     pub target: Option<TargetFormat>,
-    /// Who interpolates between texels; the default where none are read.
+    /// Filter between texels; the default if no texels are read.
     pub filter: Filter,
 }
 
@@ -184,7 +184,8 @@ struct Method {
     target: TargetFormat,
     block_size: u32,
     filter: Filter,
-    /// Whether it differs in target, block or filter alone: passes and integrations are crossed, of those one moves at a time.
+    /// Whether it differs in target, block or filter alone: these vary one at a time, but passes and integrations are
+    /// crossed.
     aside: bool,
 }
 

@@ -37,7 +37,7 @@ impl Row {
         Spread::of(&self.runs.iter().map(|run| run.wall_ms).collect::<Vec<_>>())
     }
 
-    /// Milliseconds of the processor where that is the device, which other processes hardly change; else on the device.
+    /// Milliseconds of the processor if it is the device, which other processes hardly change; else on the device.
     pub fn time(&self) -> Spread {
         Spread::of(&self.runs.iter().map(|run| run.processor_ms.unwrap_or(run.gpu_ms)).collect::<Vec<_>>())
     }
@@ -102,7 +102,7 @@ pub struct Group {
 }
 
 impl Comparison {
-    /// The rows by their truths, that of the scene first: pictures of different noises have no front in common.
+    /// The rows by their truths, the scene's own first: pictures of different noises have no common front.
     pub fn groups(&self) -> Vec<Group> {
         let mut groups: Vec<Group> = Vec::new();
         for (index, row) in self.rows.iter().enumerate() {

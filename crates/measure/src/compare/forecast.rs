@@ -36,7 +36,7 @@ impl Forecast {
         let truths = GroundTruths::new(scene, session.library)?;
         let truths = truths.count(session.library, all.iter().map(|candidate| &candidate.scene)).max(1);
         let began = Instant::now();
-        // A failure here is told with its candidate.
+        // A failure here is reported with its candidate.
         drop(all.first().map(|candidate| session.painter().render(&candidate.scene)));
         let full = usize::from(!settings.sweep.quick);
         let candidate = began.elapsed() + Duration::from_secs_f64(1e-3 * (REPEAT_MS[full] + WARM_MS[full]));

@@ -1,4 +1,4 @@
-//! GroundTruths: what candidates are held against, each computed once.
+//! Ground truths of candidates, each computed once.
 //!
 //! Candidates of one noise pattern have one truth. Those of another pattern are of another picture: no front holds both.
 
@@ -56,7 +56,7 @@ impl GroundTruths {
         truth_of(scene, library).ok() == self.own
     }
 
-    /// How many truths there are with those of more scenes.
+    /// Number of truths, with those of further scenes.
     pub(super) fn count<'a>(&self, library: &Library, scenes: impl Iterator<Item = &'a Scene>) -> usize {
         let mut all: Vec<Scene> = self.known.iter().map(|(truth, _)| truth.clone()).collect();
         for truth in scenes.filter_map(|scene| truth_of(scene, library).ok()) {

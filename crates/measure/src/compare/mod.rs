@@ -46,7 +46,7 @@ use std::sync::Arc;
 use std::time::Instant;
 use timing::{FEWEST_RUNS, Run, interleave};
 
-/// Background of a scene that has none, where a person looks at the picture: that of the gallery.
+/// Background of the report's pictures for a scene without one: that of the gallery.
 pub const BACKGROUND: Color = Color([24, 26, 31]);
 /// Order of the candidates and of their runs.
 const SEED: u64 = 2005;
@@ -58,9 +58,9 @@ const BATCH: usize = 48;
 /// Time that the repetitions of one candidate may take, milliseconds; quick, and in full. A candidate that needs more
 /// has fewer runs, but not fewer than six.
 const REPEAT_MS: [f64; 2] = [250.0, 2000.0];
-/// The same of its warm-ups, of which there is at least one.
+/// Time that the warm-ups of one candidate may take, milliseconds; at least one is made.
 const WARM_MS: [f64; 2] = [50.0, 300.0];
-/// Runs before those that are timed, at most.
+/// Largest number of warm-ups.
 const WARM_UPS: usize = 5;
 
 /// Settings of a comparison.
@@ -148,7 +148,7 @@ pub fn compare(
         partial: false,
     };
     let mut truths = GroundTruths::new(scene, session.library)?;
-    // The last is taken first.
+    // Candidates are taken from the end.
     waiting.sort_by_cached_key(|(_, candidate)| truths.is_own(session.library, &candidate.scene));
     let goes_on = settings.sweep.quick && settings.sweep.samples.is_none();
     let mut swept: Option<Instant> = None;
@@ -193,7 +193,7 @@ pub fn compare(
         let within = |fraction: f32| progress(done - share * (1.0 - fraction));
         comparison.failures.extend(time(&mut batch, settings, &mut random, session, &within));
         rows.extend(batch.into_iter().filter(|(_, row, _)| !row.runs.is_empty()).map(|(index, row, _)| (index, row)));
-        // Those of the own truth are taken first.
+        // Candidates of the own truth are taken first.
         let is_own = |(_, next): &(usize, Candidate)| truths.is_own(session.library, &next.scene);
         if !is_told && waiting.last().is_some_and(|next| !is_own(next)) {
             is_told = true;
@@ -247,8 +247,8 @@ fn first(
     Ok(Row { candidate, truth, metrics, normals: None, runs: Vec::new(), first })
 }
 
-/// The scene whose truth has the octaves alone that a candidate's turbulence has; `None` where those are all that are
-/// asked for. `Some(None)` if such a scene is impossible, as beside a sum of noise of all octaves.
+/// The scene whose truth has only the octaves of a candidate's turbulence; `None` if these are all octaves of the
+/// scene. `Some(None)` if such a scene is impossible, as beside a sum of noise of all octaves.
 #[expect(clippy::option_option, reason = "not needed, or not possible")]
 fn own_octaves(library: &Library, candidate: &Candidate) -> Result<Option<Option<Scene>>, String> {
     let (scene, held) = (&candidate.scene, candidate.scene.octaves_held(library));

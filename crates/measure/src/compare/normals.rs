@@ -43,7 +43,7 @@ impl<'a> Normals<'a> {
     }
 }
 
-/// The look `normals` of a scene: its bare surface, with what decides where that is found and nothing else.
+/// The look `normals` of a scene: its bare surface, with the settings that decide its place and no others.
 fn look(scene: &Scene) -> Scene {
     let effect = Effect { surface: "normals".into(), ..Default::default() };
     let mut look = Scene { effect, parameters: Default::default(), ..scene.clone() };

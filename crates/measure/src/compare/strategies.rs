@@ -29,7 +29,7 @@ pub(super) fn strategies(scene: &Scene, library: &Library, quick: bool) -> Vec<S
         let variant = Variant::of(scene, library).ok();
         variant.is_some_and(|variant| variant.reads(slot))
     };
-    // The scene's own first: of two that differ in what is not read, that one is kept.
+    // The scene's own first: of two that differ only in modules that are not read, the first is kept.
     let modules = |slot: &str, own: &str| {
         let mut modules: Vec<String> = library.modules(slot).into_iter().map(String::from).collect();
         modules.sort_by_key(|module| module != own);

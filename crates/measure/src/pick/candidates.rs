@@ -55,8 +55,8 @@ pub(super) fn families(scene: &Scene, library: &Library, error: f64, filters: bo
     }
 }
 
-/// The scene with its noise and turbulence as they are, and each of them computed where it is looked up: what computes
-/// must be told after how many cells a block repeats, and a block must not. What computes comes first: it has no error of its
+/// The scene with its noise and turbulence as they are, and each of them computed where it is looked up: computed
+/// noise needs the period of a block in cells, and a block does not. Computed noise comes first: it has no error of its
 /// own, so the time of one that fits is soon known, and nothing slower is drawn.
 fn bases(scene: &Scene, truth: &Scene) -> Vec<Scene> {
     let mut bases = Vec::new();

@@ -43,7 +43,7 @@ pub fn remembered(
 ///
 /// Small pictures are at most 96 pixels wide; the reference is computed for some hundred of their pixels, and for a
 /// thousand of the whole or more. `progress` is called with the part that is done, roughly. A candidate that cannot be drawn is
-/// left out, and told.
+/// left out, and recorded in [`Pick::failures`].
 ///
 /// # Errors
 /// The scene cannot be drawn, or no settings keep the bound.
@@ -126,7 +126,7 @@ fn within(
             best = Some((next, verified, frame));
         }
     }
-    // Before a bound is refused that the nearest keeps by the pixels looked at, all of its pixels are.
+    // If the nearest keeps the bound in its compared pixels, all its pixels are compared before the bound is refused.
     if let (None, Some((next, last))) = (&best, &mut nearest)
         && last.found <= bound.error
     {

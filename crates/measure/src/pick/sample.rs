@@ -3,8 +3,8 @@
 //! Role: a square is in the sample if its fixed random number is below its chance, which is in proportion to its score. So a sample
 //! only grows, and the sum of the values, each divided by its chance, is unbiased. Squares of chance 1 are known. Invariant: a bound
 //! fails with a probability of [`RISK`] at most, if no square outside of the sample has a larger value, in parts of its score, than
-//! the worst of chance 1, or [`UNSAMPLED_FACTOR`] times the worst of the others. Sources: Horvitz and Thompson 1952 (weights); Chernoff 1952 (the
-//! lower tail of a sum of independent terms).
+//! the worst of chance 1, or [`UNSAMPLED_FACTOR`] times the worst of the others. Sources: Horvitz and Thompson 1952
+//! (weights); Chernoff 1952 (the lower tail of a sum of independent terms).
 
 use hypertexture_support::random::SplitMix;
 

@@ -83,7 +83,7 @@ impl<'a> Whole<'a> {
         loop {
             sample.look(*session, &scores, pixels, progress).map_err(ended)?;
             let verified = verified(sample, Some(&scores), ms);
-            // The part of the pixels that were not looked at goes down with their number at most.
+            // The part of the pixels that were not compared falls at most with their number.
             let squares = [verified.found, verified.error].map(|error| error * error);
             let by_most = squares[0] + (squares[1] - squares[0]) * pixels as f64 / most as f64;
             let is_in_vain = pixels >= most || most < usize::MAX && by_most > error * error;

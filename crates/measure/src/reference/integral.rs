@@ -64,7 +64,7 @@ impl Piece {
         most.min((-0.25 * self.length * thinner.sum::<f64>()).exp())
     }
 
-    /// The opacity by which what its samples say may be off.
+    /// Bound of the error of its sampled opacity.
     pub(super) fn overlooked(&self) -> f64 {
         self.extinction.undecided(self.length, self.fine.transmittance)
     }

@@ -36,7 +36,7 @@ pub(crate) struct Script {
     frames: u32,
     /// Latency of the running orbit, and its number of moves.
     orbit: Option<(InputLatency, u32)>,
-    /// Whether long waits are told on the standard error, and the last time.
+    /// Whether long waits are reported on the standard error, and the last time.
     is_told: bool,
     told: Instant,
 }

@@ -187,7 +187,7 @@ impl Guard {
                 Some(reason) => by_panic.end(Some(reason)),
                 None => usual(panic),
             }
-            // A panic of another thread is no end of the window, which has kept its work then.
+            // A panic of another thread does not end the window, whose work is saved then.
             if let Some(folder) = by_panic.latest.keep() {
                 let _ = writeln!(io::stderr(), "unsaved work is in {}", folder.display());
             }

@@ -70,7 +70,7 @@ impl Drop for Worker {
     fn drop(&mut self) {
         self.shared.quit.store(true, Ordering::Relaxed);
         self.stop();
-        drop(self.shared.inbox()); // whoever is about to wait has seen nothing yet
+        drop(self.shared.inbox()); // after a check of the inbox that would miss the wake
         self.shared.wake.notify_one();
         if let Some(thread) = self.thread.take()
             && thread.join().is_err()

@@ -2,7 +2,7 @@
 
 /// Declares a table of a scene file: the struct, its default values, the identities of its fields, and its settings, whose
 /// descriptions are the doc comments of the fields. A field is `name: type = default => changes, kind, options;`, or
-/// `name: type = default;` where it is no setting: a table of its own, for example.
+/// `name: type = default;` for a field that is not a setting, such as a table.
 macro_rules! settings {
     ($(#[$attribute:meta])* pub struct $table:ident: $id:ident = $prefix:literal { $(
         #[doc = $doc:literal]

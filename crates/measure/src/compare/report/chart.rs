@@ -68,7 +68,7 @@ fn chart(comparison: &Comparison, number: usize, group: &Group, curves: &[CurveR
         left,
         right,
     );
-    // A floor far below would leave the points no room: it is then told at the lower edge.
+    // A floor far below would leave the points no room: it is then named at the lower edge.
     let floor = group.truth.error();
     let near = 30.0 * floor >= errors().fold(f64::INFINITY, f64::min);
     let y = Axis::over(errors().chain(near.then_some(floor)), bottom, top);

@@ -130,7 +130,7 @@ pub fn write(report: &Report, folder: &Path) -> Result<PathBuf, CompareError> {
     write_all(&files, folder)
 }
 
-/// Writes files into a folder, which is made if there is none, the page at last: when it is there, all of it is. Gives
+/// Writes files into a folder, which is made if it is missing, the page last: if it exists, the report is complete. Gives
 /// the path of the page, which is the first.
 fn write_all(files: &[(&str, String)], folder: &Path) -> Result<PathBuf, CompareError> {
     let io = |path: &Path| {

@@ -212,7 +212,7 @@ impl Model {
         self.propose(what, scene)
     }
 
-    /// Moves the view or the time, which is no undo step; a camera with keyframes gets new ones, which are.
+    /// Moves the view or the time without an undo step; new keyframes of a camera are undo steps.
     pub fn look(&mut self, change: impl FnOnce(&mut Camera)) -> bool {
         if self.scene.animation.tracks.keys().any(|field| field.starts_with("camera.")) {
             return self.edit("camera", |scene| change(&mut scene.camera));

@@ -175,7 +175,7 @@ mod tests {
                 let found = contrast(text, ground);
                 assert!(found >= 4.5, "dark: {}, {text:?} on {ground:?}: {found:.2}", visuals.dark_mode);
             }
-            // The match that one is at is told from the others.
+            // The current match differs from the others.
             assert!(contrast(own.found[1], own.current[1]) >= 3.0, "dark: {}", visuals.dark_mode);
         }
     }
