@@ -62,7 +62,9 @@ pub(crate) fn run(command: &GroomArguments, quiet: bool) -> Result<(), Box<dyn E
     output::check_all([("--output", path.clone())], files_read(&command.input, &bare))?;
     let mut groom = match (&scene.groom, command.side) {
         (Some(file), None) => Groom::read(Path::new(file))?,
-        (Some(_), Some(side)) => return Err(format!("--side {side}: the scene has a groom, whose side stays").into()),
+        (Some(_), Some(side)) => {
+            return Err(format!("--side {side}: the scene already has a groom; its side cannot be changed").into());
+        }
         (None, side) => {
             let side = side.unwrap_or(96);
             if !Groom::SIDES.contains(&side) {
@@ -149,9 +151,7 @@ fn fill_from_file(
             groom.color(points, COLOR_MARGIN);
             Ok(Groom::limits(first).map(f64::from))
         }
-        (Channel::Color, _) => {
-            Err(format!("--{flag} {file}: it is no mesh with colors of its vertices or materials").into())
-        }
+        (Channel::Color, _) => Err(format!("--{flag} {file}: the mesh has no vertex colors or materials").into()),
         (Channel::Length | Channel::Density, Shape::Volume(volume)) => {
             let mut found = [f64::INFINITY, f64::NEG_INFINITY];
             for index in 0..groom.voxels() {
@@ -166,6 +166,6 @@ fn fill_from_file(
             }
             Ok(found)
         }
-        _ => Err(format!("--{flag} {file}: it is no volume; write an expression, or name a volume").into()),
+        _ => Err(format!("--{flag} {file}: not a volume or expression; write an expression, or name a volume").into()),
     }
 }

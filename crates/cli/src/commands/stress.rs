@@ -120,7 +120,7 @@ fn verdict(corner: &Corner) -> String {
     let [samples, proof] = corner.reference_error;
     let error = match corner.error {
         Some(error) => format!(
-            "error {error:.1e}, known to {samples:.0e} as samples say, to {proof:.0e} by proof; jump {:.1e}",
+            "error {error:.1e}, estimated error of the reference {samples:.0e}, proven bound {proof:.0e}; jump {:.1e}",
             corner.jump
         ),
         None => String::new(),

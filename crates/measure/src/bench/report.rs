@@ -80,7 +80,7 @@ pub fn table(bench: &Bench) -> String {
             part = group;
             let _ = write!(
                 text,
-                "\n| {group} | device | processor | wall | takes so many times as long as | GeForce 6800 GT | samples with matter | operations | fetches | times its floor |\n\
+                "\n| {group} | device | processor | wall | relative time | GeForce 6800 GT | samples with matter | operations | fetches | x lower bound |\n\
                  |---|---|---|---|---|---|---|---|---|---|\n"
             );
         }

@@ -91,8 +91,8 @@ impl Verdict {
             "redrawn    {redrawn}\n\
              truth      {pixels} pixels by {}: {metric} {:.1e}, covered {:.1e}, 99.9 % within {:.1e}, max {:.1e} at {x} {y}\n\
              explained  {codes}; the step ({} samples) {:.1e}, as measured\n\
-             its own    the truth is known to {estimated:.0e} as samples say, to {proven_error:.0e} by proof, which is whole in \
-             {proven} of {pixels} pixels\n\
+             its own    estimated error of the truth {estimated:.0e}; proven bound {proven_error:.0e} ({proven} of {pixels} pixels \
+             fully proven)\n\
              beyond     {} of {pixels} pixels are off by more than codes and 4 times the step around them\n\
              bound      {metric} {:.1e} ({decided})\n",
             self.source,

@@ -44,8 +44,8 @@ pub(crate) fn write_error_map(picture: &Picture<'_>, frame: &Frame, path: &Path)
     let (Errors { rmse, max, p999, .. }, [by_samples, by_proof]) = (errors, [known.error(), known.bound()]);
     let (proven, pixels) = (known.proven(), known.pixels.len());
     tell(&format!(
-        "error      rmse {rmse:.1e}, max {max:.1e} in pixel {x}, {y}, 99.9 % of the pixels below {p999:.1e}; known to {by_samples:.0e} as \
-             samples say, to {by_proof:.0e} by proof, which is whole in {proven} of {pixels} pixels\nwrote {}\n",
+        "error      rmse {rmse:.1e}, max {max:.1e} in pixel {x}, {y}, 99.9 % of the pixels below {p999:.1e}; estimated error of the \
+             reference {by_samples:.0e}; proven bound {by_proof:.0e} ({proven} of {pixels} pixels fully proven)\nwrote {}\n",
         absolute(path)
     ));
     Ok(json!({
