@@ -79,7 +79,7 @@ fn a_renderer_follows_the_light_to_the_other_side() {
     with_gpu(|gpu| {
         let mut scene = lit("sphere", 1.0, DVec3::new(0.4, 0.3, 5.0));
         scene.image.size = [32, 32];
-        let subject = formula(&scene);
+        let subject = subject(&scene, &library);
         let mut renderer = Renderer::new(gpu, &library, &subject);
         for depth in [5.0, -5.0, 5.0] {
             scene.light.position[2] = depth;
