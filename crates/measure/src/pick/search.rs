@@ -333,10 +333,11 @@ impl<'a> Search<'a> {
     fn is_hopeless(&self, index: usize) -> bool {
         let method = &self.methods[index];
         let is_begun = !method.trials.is_empty();
-        // The first pass and strategy, whose noise has no error of its own, is as accurate as any other method: rays, where the scene
-        // has any.
-        let first = &self.methods[0].curve;
-        let is_exact = method.curve.strategy == first.strategy && method.curve.pass == first.pass;
+        // The first pass and strategy, whose noise has no error of its own, is as accurate as any other method: rays, where the
+        // scene has any that can be drawn.
+        let first = self.methods.iter().find(|method| !method.has_failed).map(|method| &method.curve);
+        let is_exact =
+            first.is_some_and(|first| method.curve.strategy == first.strategy && method.curve.pass == first.pass);
         let has_time = !self.is_late() || self.fastest().is_none() && is_exact;
         method.has_failed || !is_begun && (!has_time || self.is_slow_or_flat(index))
     }
