@@ -111,8 +111,8 @@ fn is_of(row: &Row, way: &str, scene: &Scene) -> bool {
     is_plain && own.effect.turbulence == way && own.effect.noise == scene.effect.noise
 }
 
-/// The scene as a small picture of single rays. Its turbulence is none of the ways, since of the own one a comparison also
-/// tries other passes.
+/// The scene as a small picture of single rays. Its turbulence is outside of the ways, since a comparison also tries other
+/// passes of the scene's own one.
 fn reduced(scene: &Scene) -> Scene {
     let mut small = scene.clone();
     let longer = scene.image.size.into_iter().max().unwrap_or(SIDE).max(SIDE);

@@ -129,7 +129,8 @@ fn known(elements: &mut Elements, head: &Element, expected: &'static str) -> Res
     }
 }
 
-/// Finite numbers of an element that matter only to frames without places; none if one of them is no number, or if it is long.
+/// Finite numbers of an element that matter only to frames without places; empty if the element is long, or holds another
+/// value.
 fn numbers_of(elements: &mut Elements, head: &Element) -> Result<Vec<f64>, ShapeError> {
     if head.length > MAX_NUMBERS {
         elements.skip(head)?;
