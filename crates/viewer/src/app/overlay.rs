@@ -10,14 +10,21 @@ use crate::worker::Cost;
 use egui::{Align2, Area, Color32, Frame, Id, Label, ProgressBar, RichText, ScrollArea, Sense};
 use egui::{TextEdit, Ui, Vec2, Window};
 use hypertexture::scene::Scene;
-use std::collections::BTreeMap;
+use std::sync::Arc;
+use toml::Value;
 
 impl App {
     /// Shows the comparison bar, the inspector, the loading progress and the list of keys.
     pub(super) fn show_over(&mut self, ui: &mut Ui) {
         let place = self.place;
         if let Some((kept, _)) = &self.comparison.pinned {
-            let mut titles = titles(self.document.model.scene(), kept);
+            let own = self.document.model.shared_scene();
+            let known = self.comparison.titles.take();
+            let is_known = |of: &[Arc<Scene>; 2]| Arc::ptr_eq(&of[0], own) && Arc::ptr_eq(&of[1], kept);
+            let known = known.filter(|(of, _)| is_known(of));
+            let known = known.unwrap_or_else(|| ([own.clone(), kept.clone()], titles(own, kept)));
+            let mut titles = known.1.clone();
+            self.comparison.titles = Some(known);
             for (title, Cost { ms, rmse }) in titles.iter_mut().zip(&self.figures.costs) {
                 let rmse = rmse.map_or(String::new(), |rmse| format!(", RMSE {rmse:.1e}"));
                 title.push_str(&format!(" \u{2013} {ms:.0} ms{rmse}"));
@@ -135,23 +142,22 @@ impl App {
 
 /// Titles of two variants: the first field that differs, with its values.
 fn titles(now: &Scene, kept: &Scene) -> [String; 2] {
-    let fields = |scene: &Scene| -> BTreeMap<String, String> {
-        // The camera is shared, and the description does not matter.
-        let differs = |name: &str| !name.starts_with("camera.") && name != "about";
-        let fields = scene.fields().into_iter().filter(|(name, _)| differs(name));
-        fields.map(|(name, value)| (name, brief(&value))).collect()
+    // The camera is shared, and the description does not matter.
+    let matters = |name: &str| !name.starts_with("camera.") && name != "about";
+    let mut different = now.difference(kept);
+    different.retain(|(name, _)| matters(name));
+    let Some((first, value)) = different.iter().min_by(|a, b| a.0.cmp(&b.0)) else {
+        return ["now".into(), "kept: the same".into()];
     };
-    let both = [fields(now), fields(kept)];
-    let names: Vec<&String> =
-        both[0].keys().chain(both[1].keys().filter(|name| !both[0].contains_key(*name))).collect();
-    let mut different = names.into_iter().filter(|name| both[0].get(*name) != both[1].get(*name));
-    let Some(first) = different.next() else { return ["now".into(), "kept: the same".into()] };
-    let more = match different.count() {
+    let more = match different.len() - 1 {
         0 => String::new(),
         count => format!(", and {count} more"),
     };
-    let value = |index: usize| both[index].get(first).map_or("default", String::as_str);
-    [format!("now: {first} = {}{more}", value(0)), format!("kept: {}", value(1))]
+    let said = |value: Option<&Value>| value.map_or("default".into(), brief);
+    [
+        format!("now: {first} = {}{more}", said(value.as_ref())),
+        format!("kept: {}", said(kept.value_named(first).as_ref())),
+    ]
 }
 
 #[cfg(test)]

@@ -174,6 +174,8 @@ pub(super) struct Time {
 pub(super) struct Compared {
     /// The pinned scene and its modules.
     pub(super) pinned: Option<(Arc<Scene>, Arc<Library>)>,
+    /// Titles of the last two scenes, which are compared once.
+    pub(super) titles: Option<([Arc<Scene>; 2], [String; 2])>,
     pub(super) view: Comparison,
 }
 

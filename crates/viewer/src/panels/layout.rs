@@ -33,8 +33,7 @@ const LOW_HEIGHT: f32 = 480.0;
 
 /// State of the panels.
 pub struct Panels {
-    /// The selected stop of the transfer map.
-    stop: usize,
+    transfer: transfer::TransferControls,
     known: file_info::FileInfo,
     /// Whether an iso-value of the selected object is being dragged.
     pub(crate) iso_drag: bool,
@@ -63,7 +62,7 @@ pub struct Panels {
 impl Default for Panels {
     fn default() -> Panels {
         Panels {
-            stop: 0,
+            transfer: transfer::TransferControls::default(),
             known: file_info::FileInfo::default(),
             iso_drag: false,
             dialogs: dialogs::Dialogs::default(),
@@ -269,7 +268,7 @@ impl Panels {
         }
         section(ui, "Parameters", true, |ui| parameters::show(ui, pass, part));
         section(ui, "Groom", false, |ui| groom::show(ui, pass, painting));
-        section(ui, "Transfer map", false, |ui| transfer::show(ui, pass, part, &mut self.stop));
+        section(ui, "Transfer map", false, |ui| transfer::show(ui, pass, part, &mut self.transfer));
         section(ui, "Material", false, |ui| settings::table(ui, pass, &prefix(part), "material"));
         section(ui, "Light and background", false, |ui| camera::light(ui, pass));
         section(ui, "Camera", false, |ui| camera::camera(ui, pass, &mut self.bookmarks));

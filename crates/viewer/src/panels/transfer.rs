@@ -6,6 +6,7 @@ use super::context::{Pass, object_fields, prefix};
 use super::field_menu;
 use super::settings;
 use super::widgets::{button, color, field, named, number, painted};
+use crate::document::model::Model;
 use crate::input::Command;
 use egui::{
     Align2, Color32, CornerRadius, FontId, Pos2, Rect, Response, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, pos2, vec2,
@@ -15,6 +16,7 @@ use hypertexture::render::variant::Variant;
 use hypertexture::scene::{Color, Scene, Stop, Transfer, linear_to_srgb};
 use hypertexture::shader::Library;
 use std::borrow::Cow;
+use std::sync::Arc;
 
 /// Height of the curve and of the bar, points.
 const HEIGHTS: [f32; 2] = [110.0, 22.0];
@@ -25,10 +27,43 @@ const PIECES: usize = 160;
 /// Limit for stops, as in the check of the scene.
 const MAX_STOPS: usize = 256;
 
+/// State of the controls of a transfer map.
+#[derive(Default)]
+pub(super) struct TransferControls {
+    /// The selected stop.
+    selected: usize,
+    /// The last object, and whether it reads its map, which takes a check of the scene.
+    last: Option<(Shown, bool)>,
+}
+
+/// An object of a scene with its modules.
+struct Shown {
+    scene: Arc<Scene>,
+    library: Arc<Library>,
+    part: Option<String>,
+}
+
+impl TransferControls {
+    fn reads_map(&mut self, model: &Model, part: Option<&str>) -> bool {
+        let (scene, library) = (model.shared_scene(), model.shared_library());
+        let is_same = |of: &Shown| {
+            Arc::ptr_eq(&of.scene, scene) && Arc::ptr_eq(&of.library, library) && of.part.as_deref() == part
+        };
+        if let Some((_, reads)) = self.last.as_ref().filter(|(of, _)| is_same(of)) {
+            return *reads;
+        }
+        let reads = reads_map(scene, library, part);
+        let shown = Shown { scene: scene.clone(), library: library.clone(), part: part.map(str::to_string) };
+        self.last = Some((shown, reads));
+        reads
+    }
+}
+
 /// The transfer map of an object.
-pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, selected: &mut usize) {
+pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, controls: &mut TransferControls) {
     let at = |name: &str| format!("{}transfer.{name}", prefix(part));
-    let read = reads_map(pass.model.scene(), pass.model.library(), part);
+    let read = controls.reads_map(pass.model, part);
+    let selected = &mut controls.selected;
     let refracts = pass.draft.effect.ray_path == hypertexture::scene::RayPath::Refracted;
     if !read {
         ui.weak("not used by this effect, but by medium transfer and classify post, pre, preintegrated and clear");
