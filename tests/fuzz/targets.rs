@@ -21,7 +21,7 @@ pub struct Target {
     pub run: fn(&[u8]),
 }
 
-pub const TARGETS: [Target; 17] = [
+pub const TARGETS: [Target; 18] = [
     Target { name: "obj", seeds: || vec![OBJ.into()], run: |bytes| painted("a.obj", bytes) },
     Target { name: "stl", seeds: || vec![STL.into(), binary_stl()], run: |bytes| mesh(shape::read("a.stl", bytes)) },
     Target { name: "ply", seeds: || vec![PLY.into(), binary_ply()], run: |bytes| mesh(shape::read("a.ply", bytes)) },
@@ -33,6 +33,7 @@ pub const TARGETS: [Target; 17] = [
         run: |bytes| mesh(shape::read("a.nii", bytes)),
     },
     Target { name: "gltf", seeds: || vec![GLTF.into(), glb()], run: |bytes| painted("a.gltf", bytes) },
+    Target { name: "3mf", seeds: || vec![THREE_MF.into(), three_mf()], run: three_mf_of },
     Target { name: "vdb", seeds: || vec![vdb()], run: |bytes| mesh(shape::read("a.vdb", bytes)) },
     Target { name: "dicom", seeds: || vec![dicom()], run: |bytes| mesh(shape::read("a.dcm", bytes)) },
     Target { name: "texture", seeds: || vec![picture()], run: texture },
@@ -54,6 +55,8 @@ const META: &str = "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryData
 const ASCII: &str = "NRRD0005\ntype: float\ndimension: 3\nspace: left-posterior-superior\nsizes: 2 2 2\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\nencoding: ascii\n\n0 1 2 3 4 5 6 7\n";
 const SCENE: &str = "about = \"a\"\ncombine = \"main | b\"\n[object]\ninput = \"torus\"\nstretch = [1, 2, 1]\n[effect]\ndmf = [\"fur\"]\n[camera]\nclip = [1, 0, 0, 0.5]\n[transfer]\nstops = [{ at = 0.0, color = \"#000000\", density = 0.0, index = 1.0 }]\n[parts.b.object]\ninput = \"sphere\"\n[modules.dmf]\n";
 const HEADER: &str = "// A.\n// Source: -\n// @param a = 0.5 in [0, 1]: A.\n// @color b = #102030: B.\n// @outer a\n// @move +y 0.5 * a + 1\n// @grow a\n// @drift a * 0.5\n// @bound 1\n// @needs normal\n// @groom length color\n// @exact procedural never\n// @loops 2\n// @places 1\n// @octaves 4\n// @period memory\n// @outside empty\n// @segments c\n#include \"hash.glsl\"\n#include <noise>\nfloat a_(float density, Sample s) { return density; }\n";
+const RELATIONSHIPS: &str = "<Relationships><Relationship Target='/a' Type='http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel'/></Relationships>";
+const THREE_MF: &str = "<?xml version='1.0'?><model unit='inch' requiredextensions='p' xmlns:p='/production/'><resources><basematerials id='3'><base name='a' displaycolor='#FF8000'/></basematerials><m:colorgroup id='4'><m:color color='#01020304'/></m:colorgroup><object id='1' name='a &amp; b'><mesh><vertices><vertex x='0' y='0' z='0'/><vertex x='1' y='0' z='0'/><vertex x='0' y='1' z='1e-3'/></vertices><triangles><triangle v1='0' v2='1' v3='2' pid='3' p1='0'/><triangle v1='0' v2='2' v3='1' pid='4' p1='0' p2='0' p3='0'/></triangles></mesh></object><object id='2'><components><component objectid='1' p:path='/a' transform='1 0 0 0 1 0 0 0 1 5 0 0'/></components></object></resources><build><item objectid='2'/></build></model>";
 const PRESET: &str = "preset = \"fur\"\n[parameters]\nfineness = 60\n";
 
 const GLTF: &str = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"children":[1],"scale":[1,-1,1]},{"mesh":0,"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,2,0,0,1]}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"mode":5,"material":0}]}],"materials":[{"pbrMetallicRoughness":{"baseColorFactor":[1,0.5,0,1]}}],"accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","sparse":{"count":1,"indices":{"bufferView":1,"componentType":5121},"values":{"bufferView":0}}}],"bufferViews":[{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":1,"byteLength":1}],"buffers":[{"byteLength":48,"uri":"data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/"}]}"#;
@@ -80,6 +83,28 @@ fn glb() -> Vec<u8> {
     let mesh = Mesh { positions, triangles, offset: DVec3::new(1e6, 0.0, 0.0), ..Mesh::default() };
     MeshFormat::Glb.write(&mesh, &mut bytes).expect("memory takes all bytes");
     bytes
+}
+
+/// A tetrahedron.
+fn three_mf() -> Vec<u8> {
+    let mut bytes = Vec::new();
+    if let Ok(Shape::Mesh(mesh)) = shape::read("a.glb", &glb()) {
+        MeshFormat::ThreeMf.write(&mesh, &mut bytes).expect("memory takes all bytes");
+    }
+    bytes
+}
+
+/// A package, or the model of one.
+fn three_mf_of(bytes: &[u8]) {
+    if bytes.starts_with(b"PK") {
+        return mesh(shape::read("a.3mf", bytes));
+    }
+    let mut zip = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
+    for (name, content) in [("_rels/.rels", RELATIONSHIPS.as_bytes()), ("a", bytes)] {
+        zip.start_file(name, zip::write::SimpleFileOptions::default()).expect("memory takes all bytes");
+        std::io::Write::write_all(&mut zip, content).expect("memory takes all bytes");
+    }
+    mesh(shape::read("a.3mf", &zip.finish().expect("memory takes all bytes").into_inner()));
 }
 
 /// Two leaves.

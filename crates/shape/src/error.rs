@@ -136,6 +136,8 @@ pub enum Location {
     Material(String),
     /// A path in JSON, as `accessors[3].count`.
     Json(String),
+    /// A part of a 3MF package, and a byte in it from 0.
+    Part(String, u64),
 }
 
 /// Length of the data in a file.
@@ -160,6 +162,7 @@ impl fmt::Display for Location {
             Location::Face(face) => write!(f, "face {face} (from 0)"),
             Location::Material(name) => write!(f, "material {name}"),
             Location::Json(path) => write!(f, "{path}"),
+            Location::Part(part, byte) => write!(f, "{}, byte {byte}", words::line(part)),
         }
     }
 }

@@ -2,10 +2,12 @@
 //!
 //! Invariant: depends on the file alone, not on the settings of a scene.
 
+use crate::built_in::BUILT_IN;
 use crate::error::ShapeError;
 use crate::groom::Groom;
 use crate::open::Opened;
 use crate::shape::{Content, Histogram, Mesh, Shape, Solid, Volume};
+use crate::unit::Unit;
 use glam::{DVec3, Vec3};
 use hypertexture_support::significant;
 use serde::Serialize;
@@ -50,7 +52,7 @@ impl Facts {
     /// # Errors
     /// Those of [`Opened::with_grid`].
     pub fn of(input: &str, grid: Option<&str>) -> Result<Facts, ShapeError> {
-        let Opened { shape, notes, grids, .. } = Opened::with_grid(input, grid)?;
+        let Opened { shape, notes, grids, names, unit, .. } = Opened::with_grid(input, grid)?;
         let mut facts = match &shape {
             Shape::Solid(solid) => of_solid(solid),
             Shape::Mesh(mesh) => of_mesh(mesh),
@@ -58,6 +60,9 @@ impl Facts {
         };
         if !grids.is_empty() {
             facts.lines.push(fact("grids", grids.join(", "), &grids));
+        }
+        if !names.is_empty() {
+            facts.lines.push(fact("names", names.join(", "), &names));
         }
         if !notes.is_empty() {
             facts.lines.push(fact("notes", notes.join("; "), &notes));
@@ -70,6 +75,8 @@ impl Facts {
             in_words(facts.corners, bounds.size()),
             facts.corners.map(|corner| corner.to_array()),
         ));
+        let is_file = !BUILT_IN.contains(&input);
+        facts.lines.push(print_size(bounds.size(), unit, is_file));
         Ok(facts)
     }
 
@@ -101,6 +108,19 @@ impl Facts {
 
 fn fact(name: &'static str, words: impl Into<String>, value: impl Serialize) -> Fact {
     Fact { name, words: words.into(), value: json!(value) }
+}
+
+/// Line about the size in millimeters, and where its unit comes from.
+fn print_size(size: Vec3, unit: Option<Unit>, is_file: bool) -> Fact {
+    if unit.is_none() && !is_file {
+        return fact("print", "without a unit; --scale-to 60mm sets the longest side of a print", Value::Null);
+    }
+    let sides = size.to_array().map(|side| f64::from(side) * unit.unwrap_or_default().millimeters());
+    let from = match unit {
+        Some(unit) => format!("the unit of the file is {}", unit.symbol()),
+        None => "the file has no unit: taken as mm; --unit or --scale-to changes it".into(),
+    };
+    fact("print", format!("{} mm, {from}", sides.map(|side| significant(side, 6)).join(" x ")), sides)
 }
 
 fn in_words(corners: [DVec3; 2], size: Vec3) -> String {

@@ -18,6 +18,7 @@ mod open;
 mod sample_type;
 mod shape;
 mod source;
+mod unit;
 mod volume;
 mod write;
 
@@ -32,5 +33,6 @@ pub use shape::{
     Axes, Body, Bounds, Content, Edges, Enclosed, Histogram, Looks, MAX_COORDINATE, MAX_TRIANGLES, MAX_VOXELS, Mesh,
     Paint, Shape, Solid, Volume,
 };
+pub use unit::Unit;
 pub use volume::{RawLayout, open_raw};
-pub use write::{Fog, FogGrid, FogLeaf, MeshFormat, VolumeFormat};
+pub use write::{Fog, FogGrid, FogLeaf, MeshFormat, PrintBody, PrintFile, VolumeFormat};

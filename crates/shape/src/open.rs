@@ -5,9 +5,10 @@
 use crate::built_in::{self, BUILT_IN};
 use crate::error::{Location, ShapeError, quoted, shown, unreadable};
 use crate::from_memory::MEMORY;
-use crate::mesh::{gltf, obj, ply, stl};
+use crate::mesh::{gltf, obj, ply, stl, threemf};
 use crate::shape::Shape;
 use crate::source::Source;
+use crate::unit::Unit;
 use crate::volume::{dicom, meta, nifti, nrrd, raw, vdb};
 use hypertexture_support::open::{self as plain, OpenError};
 use hypertexture_support::words::nearest;
@@ -33,6 +34,7 @@ const FORMATS: &[Format] = &[
     Format { extensions: &["vdb"], recognizes: vdb::recognizes, read: vdb::read },
     Format { extensions: &["nii", "nii.gz", "hdr", "hdr.gz"], recognizes: nifti::recognizes, read: nifti::read },
     Format { extensions: &["raw"], recognizes: |_, _| false, read: raw::refuse },
+    Format { extensions: &["3mf"], recognizes: threemf::recognizes, read: threemf::read },
     Format { extensions: &["ply"], recognizes: ply::recognizes, read: ply::read },
     Format { extensions: &["stl"], recognizes: stl::recognizes, read: stl::read },
     Format { extensions: &["obj"], recognizes: |_, _| false, read: obj::read }, // OBJ has no signature
@@ -41,7 +43,7 @@ const FORMATS: &[Format] = &[
 /// Opens a built-in object or a file.
 ///
 /// A name in [`BUILT_IN`] always means the built-in object; write `./sphere` for a file of that name. The content decides the
-/// format (NRRD, MetaImage, DICOM, OpenVDB, NIfTI, glTF, PLY, STL), else the extension (OBJ). Coordinates stay as they are in
+/// format (NRRD, MetaImage, DICOM, OpenVDB, NIfTI, glTF, 3MF, PLY, STL), else the extension (OBJ). Coordinates stay as they are in
 /// the file; those of DICOM and MetaImage are converted to the axes of NIfTI. A folder means the DICOM series in it, and a
 /// slice its whole series; other folders, devices and pipes are refused. Each note of [`Opened`] is logged as a warning.
 ///
@@ -79,6 +81,16 @@ pub struct Opened {
     pub others: Vec<PathBuf>,
     /// Names and types of the grids of an OpenVDB file.
     pub grids: Vec<String>,
+    /// Names of the objects of a 3MF file.
+    pub names: Vec<String>,
+    /// Unit of the coordinates of the file: that of 3MF, NIfTI and NRRD, meters of glTF, millimeters of DICOM and MetaImage.
+    pub unit: Option<Unit>,
+}
+
+impl From<Shape> for Opened {
+    fn from(shape: Shape) -> Opened {
+        Opened { shape, notes: Vec::new(), others: Vec::new(), grids: Vec::new(), names: Vec::new(), unit: None }
+    }
 }
 
 impl Opened {
@@ -107,20 +119,20 @@ impl Opened {
     }
 
     fn with(name_or_path: &str, wanted: Wanted) -> Result<Opened, ShapeError> {
-        let alone = |shape, notes| match wanted.grid {
+        let alone = |opened| match wanted.grid {
             Some(grid) => Err(no_grids(shown(name_or_path), grid)),
-            None => Ok(Opened { shape, notes, others: Vec::new(), grids: Vec::new() }),
+            None => Ok(opened),
         };
         if name_or_path.starts_with(MEMORY) {
             return Err(ShapeError::InMemory { name: shown(name_or_path) });
         }
         if let Some(shape) = built_in::by_name(name_or_path) {
-            return alone(shape, Vec::new());
+            return alone(shape.into());
         }
         let path = Path::new(name_or_path);
         if path.is_dir() {
             let (shape, notes) = dicom::read_folder(&shown(name_or_path), path)?;
-            return alone(shape, notes);
+            return alone(Opened { notes, unit: Some(Unit::Millimeter), ..shape.into() });
         }
         let (opened, len) = plain::open(path, u64::MAX).map_err(|error| unopened(name_or_path, error))?;
         let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
@@ -190,7 +202,7 @@ fn parse(
                 return Err(no_grids(source.file, grid));
             }
             let (notes, others) = (source.notes.into_inner(), source.others.into_inner());
-            Ok(Opened { shape, notes, others, grids: source.grids })
+            Ok(Opened { shape, notes, others, grids: source.grids, names: source.names, unit: source.unit.get() })
         }
         None => {
             let start = quoted(&start[..start.len().min(16)]);
@@ -260,7 +272,7 @@ mod tests {
         assert!(
             message.contains("sphere, cube, torus")
                 && message.contains(
-                    ".nrrd, .nhdr, .mhd, .mha, .gltf, .glb, .dcm, .vdb, .nii, .nii.gz, .hdr, .hdr.gz, .raw, .ply, .stl, .obj"
+                    ".nrrd, .nhdr, .mhd, .mha, .gltf, .glb, .dcm, .vdb, .nii, .nii.gz, .hdr, .hdr.gz, .raw, .3mf, .ply, .stl, .obj"
                 ),
             "{message}"
         );

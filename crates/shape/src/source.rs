@@ -5,9 +5,10 @@
 
 use crate::error::{Found, Location, ShapeError, quoted, shown, unreadable};
 use crate::shape::{MAX_COORDINATE, MAX_TRIANGLES, Mesh, Shape};
+use crate::unit::Unit;
 use glam::DVec3;
 use hypertexture_support::open::{self, Home, MARK, OpenError};
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Component, Path, PathBuf};
 use std::str::FromStr;
@@ -39,6 +40,10 @@ pub(super) struct Source<'a> {
     pub is_painted: bool,
     /// Names and types of the grids of an OpenVDB file.
     pub grids: Vec<String>,
+    /// Names of the objects of a 3MF file.
+    pub names: Vec<String>,
+    /// Unit of the coordinates, if the file or its format has one.
+    pub unit: Cell<Option<Unit>>,
     /// Notes for the user, see [`Source::note`].
     pub notes: RefCell<Vec<String>>,
     /// Other files of the shape.
@@ -58,6 +63,8 @@ impl<'a> Source<'a> {
             grid: None,
             is_painted: false,
             grids: Vec::new(),
+            names: Vec::new(),
+            unit: Cell::default(),
             notes: RefCell::default(),
             others: RefCell::default(),
             reader,

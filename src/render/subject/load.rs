@@ -70,8 +70,7 @@ impl Subject {
         progress: Progress<'_>,
     ) -> Result<Subject, RenderError> {
         scene.object.input = format!("{}{}", shape::MEMORY, field::Key::of_contents(&shape));
-        let opened = Opened { shape, notes: Vec::new(), others: Vec::new(), grids: Vec::new() };
-        let shape = settled(opened, &scene.object).warned(&scene.object.input);
+        let shape = settled(Opened::from(shape), &scene.object).warned(&scene.object.input);
         let own = |wanted: &SubjectRequest, progress: Progress<'_>| {
             Subject::made(&shape, Recipe::of(&shape, wanted, 1.0), None, Vec::new(), progress)
         };

@@ -7,3 +7,4 @@ pub(crate) mod ply;
 mod polygon;
 pub(crate) mod stl;
 mod textures;
+pub(crate) mod threemf;

@@ -58,6 +58,15 @@ impl Mesh {
         self.triangles[index].map(|corner| self.positions[corner as usize])
     }
 
+    /// The mesh with all coordinates times a factor above 0.
+    pub fn scaled(mut self, factor: f64) -> Mesh {
+        if factor != 1.0 {
+            self.positions.iter_mut().for_each(|place| *place = (place.as_dvec3() * factor).as_vec3());
+            self.offset *= factor;
+        }
+        self
+    }
+
     /// Whether its vertices have colors, or materials that were asked for.
     pub fn is_colored(&self) -> bool {
         !self.colors.is_empty() || !self.paint.spots.is_empty()

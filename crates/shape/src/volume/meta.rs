@@ -13,6 +13,7 @@ use crate::error::{ShapeError, quoted};
 use crate::sample_type::SampleType;
 use crate::shape::{Content, Shape, axes};
 use crate::source::Source;
+use crate::unit::Unit;
 use glam::{DMat3, DVec3};
 use std::ops::RangeInclusive;
 
@@ -50,6 +51,7 @@ pub(crate) fn recognizes(start: &[u8], _len: u64) -> bool {
 /// Reads a volume: raw or compressed, after the header or in data files; integers of 8 to 64 bits, float or double, both byte
 /// orders, converted to f32 (integers above 2^24 and doubles are rounded).
 pub(crate) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
+    source.unit.set(Some(Unit::Millimeter)); // as ITK takes it
     let header = MetaHeader::read(source)?;
     let raster = header.raster(source)?;
     let is_here = matches!(header.0.get(DATA), Some("LOCAL" | "Local" | "local"));

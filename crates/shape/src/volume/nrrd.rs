@@ -12,6 +12,7 @@ use crate::error::{Location, ShapeError, quoted};
 use crate::sample_type::SampleType;
 use crate::shape::{Content, Shape, axes};
 use crate::source::Source;
+use crate::unit::Unit;
 use glam::{DMat3, DVec3};
 use std::ops::RangeInclusive;
 
@@ -85,6 +86,7 @@ pub(crate) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
         Some(SIGNED_DISTANCE) => Content::SignedDistance,
         Some(_) => return Err(header.keys.malformed(CONTENT_KEY, "`hypertexture content:=signed distance`")),
     };
+    source.unit.set(header.unit());
     let data = header.data(size, compression, source)?;
     let placement = Placement::new(space, size, geometry, content);
     Raster { kind, big_endian, compression, scale: None, placement }.read(source, &data)
@@ -100,6 +102,14 @@ struct NrrdHeader {
 }
 
 impl NrrdHeader {
+    /// The unit of space, if all axes have the same known one.
+    fn unit(&self) -> Option<Unit> {
+        let text = self.fields.get("spaceunits")?;
+        let mut units = text.split('"').skip(1).step_by(2).map(Unit::named);
+        let first = units.next()??;
+        units.all(|unit| unit == Some(first)).then_some(first)
+    }
+
     /// Reads up to the empty line before the data.
     fn read(source: &mut Source) -> Result<NrrdHeader, ShapeError> {
         let mut read = NrrdHeader { fields: Fields::new(source), keys: Fields::new(source), axes: [0, 1, 2] };

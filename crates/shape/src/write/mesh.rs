@@ -4,6 +4,8 @@
 //! Sources: 3D Systems, "StereoLithography Interface Specification", 1989; G. Turk, "The PLY Polygon File Format", 1994;
 //! Wavefront, "Object Files", 1995; Khronos, "glTF 2.0 Specification".
 
+use super::checked::{check, places};
+use super::threemf::{PrintBody, PrintFile};
 use crate::shape::Mesh;
 use crate::shape::looks::Looks;
 use glam::DVec3;
@@ -22,13 +24,20 @@ pub enum MeshFormat {
     Obj,
     /// Binary glTF 2.0; an offset becomes the translation of the node.
     Glb,
+    /// 3MF in millimeters, with one body.
+    ThreeMf,
 }
 
 impl MeshFormat {
-    const ENDS: [(MeshFormat, &'static str); 4] =
-        [(MeshFormat::Stl, "stl"), (MeshFormat::Ply, "ply"), (MeshFormat::Obj, "obj"), (MeshFormat::Glb, "glb")];
+    const ENDS: [(MeshFormat, &'static str); 5] = [
+        (MeshFormat::Stl, "stl"),
+        (MeshFormat::Ply, "ply"),
+        (MeshFormat::Obj, "obj"),
+        (MeshFormat::Glb, "glb"),
+        (MeshFormat::ThreeMf, "3mf"),
+    ];
 
-    /// Format by extension: .stl, .ply, .obj or .glb, in any case.
+    /// Format by extension: .stl, .ply, .obj, .glb or .3mf, in any case.
     pub fn from_path(path: &Path) -> Option<MeshFormat> {
         let own = path.extension()?;
         MeshFormat::ENDS.iter().find(|(_, end)| own.eq_ignore_ascii_case(end)).map(|(format, _)| *format)
@@ -47,36 +56,25 @@ impl MeshFormat {
         *self != MeshFormat::Stl
     }
 
-    /// Writes a mesh with the normals, if there are any, and colors of its vertices; STL has neither. Colors are bytes of sRGB in PLY, sRGB in OBJ,
-    /// and linear in glTF.
+    /// Writes a mesh with the normals, if there are any, and colors of its vertices; STL has neither, 3MF no normals. Colors are bytes
+    /// of sRGB in PLY and 3MF, sRGB in OBJ, and linear in glTF.
     ///
     /// # Errors
     /// As [`MeshFormat::write`], and `InvalidInput` unless each vertex has a look.
     pub fn write_with(&self, mesh: &Mesh, looks: Option<&Looks>, mut to: impl Write) -> io::Result<()> {
-        let vertices = mesh.positions.len();
-        let is_known = |corner: &u32| (*corner as usize) < vertices;
-        let is_whole = mesh.triangles.as_flattened().iter().all(is_known) && u32::try_from(vertices).is_ok();
-        let is_finite = mesh.positions.iter().all(|place| place.is_finite()) && mesh.offset.is_finite();
-        let is_looked = looks.is_none_or(|looks| {
-            looks.colors.len() == vertices && (looks.normals.is_empty() || looks.normals.len() == vertices)
-        });
-        if mesh.triangles.is_empty() || !is_whole || !is_finite || !is_looked {
-            let reason = "a mesh is written with triangles between its corners, and with finite coordinates";
-            return Err(io::Error::new(io::ErrorKind::InvalidInput, reason));
-        }
+        check(mesh, looks)?;
         match self {
             MeshFormat::Stl => write_stl(mesh, &mut to),
             MeshFormat::Ply => write_ply(mesh, looks, &mut to),
             MeshFormat::Obj => write_obj(mesh, looks, &mut to),
             MeshFormat::Glb => write_glb(mesh, looks, &mut to),
+            MeshFormat::ThreeMf => {
+                let bodies = &[PrintBody { name: "", mesh, looks }];
+                PrintFile { bodies, ..PrintFile::default() }.write(&mut to)
+            }
         }?;
         to.flush()
     }
-}
-
-/// Positions with the offset added.
-fn places(mesh: &Mesh) -> impl Iterator<Item = DVec3> {
-    mesh.positions.iter().map(|place| place.as_dvec3() + mesh.offset)
 }
 
 fn write_floats(numbers: &[f32], to: &mut impl Write) -> io::Result<()> {

@@ -19,6 +19,7 @@ mod ply;
 mod raw;
 mod strange;
 mod strangers;
+mod threemf;
 mod vdb;
 mod vdb_versions;
 mod vdb_write;

@@ -6,8 +6,13 @@ use proptest::prelude::*;
 use serde_json::Value;
 use std::path::Path;
 
-const FORMATS: [(MeshFormat, &str); 4] =
-    [(MeshFormat::Stl, "a.stl"), (MeshFormat::Ply, "a.ply"), (MeshFormat::Obj, "a.obj"), (MeshFormat::Glb, "a.glb")];
+const FORMATS: [(MeshFormat, &str); 5] = [
+    (MeshFormat::Stl, "a.stl"),
+    (MeshFormat::Ply, "a.ply"),
+    (MeshFormat::Obj, "a.obj"),
+    (MeshFormat::Glb, "a.glb"),
+    (MeshFormat::ThreeMf, "a.3mf"),
+];
 
 fn bytes(format: MeshFormat, mesh: &Mesh) -> Vec<u8> {
     let mut bytes = Vec::new();

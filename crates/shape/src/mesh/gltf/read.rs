@@ -9,6 +9,7 @@ use super::{document, scene};
 use crate::error::{Found, Location, ShapeError, quoted};
 use crate::shape::{Mesh, Shape};
 use crate::source::Source;
+use crate::unit::Unit;
 
 /// Most bytes of JSON: 190 MB of data in base64.
 const MAX_JSON: u64 = 256 << 20;
@@ -31,6 +32,7 @@ pub(crate) fn recognizes(start: &[u8], _len: u64) -> bool {
 pub(crate) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     let (json, binary) =
         if source.peek()?.starts_with(b"glTF") { chunks(source)? } else { (json(source, source.remaining())?, None) };
+    source.unit.set(Some(Unit::Meter));
     let document = document::parse(source, &json)?;
     let materials = source.is_painted.then(|| Materials::parse(source, &json)).transpose()?;
     let data = Data::new(source, &document, binary);

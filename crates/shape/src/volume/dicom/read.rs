@@ -12,6 +12,7 @@ use super::series::{Even, Layout, Member, layout, without_others};
 use crate::error::{Location, ShapeError, first_few, quoted, shown};
 use crate::shape::Shape;
 use crate::source::Source;
+use crate::unit::Unit;
 use crate::volume::placement::Placement;
 use hypertexture_support::open::Home;
 use std::fs;
@@ -35,6 +36,7 @@ pub(crate) fn recognizes(start: &[u8], _len: u64) -> bool {
 /// of a tilted gantry, keep their places; a few of another size or orientation, as localizers, are left out. Colors and
 /// MONOCHROME1 are refused: programs disagree on whether the latter is inverted.
 pub(crate) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
+    source.unit.set(Some(Unit::Millimeter));
     inflated(source, read_inflated)
 }
 

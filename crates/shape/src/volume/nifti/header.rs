@@ -8,6 +8,7 @@ use crate::sample_type::SampleType;
 use crate::shape::Content;
 use crate::shape::axes::lengths;
 use crate::source::Source;
+use crate::unit::Unit;
 use crate::volume::placement::{self, Placement};
 use crate::volume::raster::{Compression, MAX_UNPACKED_SKIP, Raster};
 use crate::volume::space::{Space, listed, or_usual};
@@ -38,6 +39,8 @@ pub(crate) struct HeaderLayout {
     pub scale: usize,
     /// 80 characters.
     pub description: usize,
+    /// Code of the units of space and time.
+    pub units: usize,
     /// Codes of qform and sform.
     pub codes: usize,
     /// Quaternion, its shift, and the rows of the sform.
@@ -61,6 +64,7 @@ pub(crate) const NIFTI1: HeaderLayout = HeaderLayout {
     offset: 108,
     scale: 112,
     description: 148,
+    units: 123,
     codes: 252,
     forms: 256,
     intent: 328,
@@ -80,6 +84,7 @@ pub(crate) const NIFTI2: HeaderLayout = HeaderLayout {
     offset: 168,
     scale: 176,
     description: 240,
+    units: 500,
     codes: 344,
     forms: 352,
     intent: 508,
@@ -165,6 +170,17 @@ impl<'s, 'a> NiftiHeader<'s, 'a> {
             return Err(malformed(layout.magic, "`n+1` or `ni1`, for NIfTI-2 `n+2` or `ni2`", quoted(magic)));
         }
         Ok(header)
+    }
+
+    /// The unit of space; files of Analyze have none.
+    pub fn unit(&self) -> Option<Unit> {
+        match self.integer(self.layout.units, if self.layout.is_wide { 4 } else { 1 }) & 7 {
+            _ if self.is_analyze => None,
+            1 => Some(Unit::Meter),
+            2 => Some(Unit::Millimeter),
+            3 => Some(Unit::Micron),
+            _ => None,
+        }
     }
 
     /// Whether the data is in a separate file.

@@ -29,7 +29,7 @@ pub(crate) fn recognizes(start: &[u8], _len: u64) -> bool {
 }
 
 /// Reads a volume of 3 dimensions: integers of 8 to 64 bits, float or double, both byte orders, scaled and then rounded to
-/// f32. Extensions, units and time are ignored.
+/// f32. Extensions and time are ignored.
 pub(crate) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     if !source.peek()?.starts_with(&GZIP) {
         return read_unpacked(source, Compression::None);
@@ -41,6 +41,7 @@ pub(crate) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     let mut inner = Source::new(file, len, folder, reader);
     let shape = read_unpacked(&mut inner, Compression::Unpacked)?;
     let (notes, others) = (inner.notes, inner.others);
+    source.unit.set(inner.unit.get());
     source.notes.borrow_mut().extend(notes.take());
     source.others.borrow_mut().extend(others.take());
     source.note_padding(padding.get());
@@ -63,6 +64,7 @@ fn read_unpacked(source: &mut Source, compression: Compression) -> Result<Shape,
     }
     let is_whole = source.peek()?.is_empty();
     let header = NiftiHeader::new(source, &bytes[..filled], is_whole)?;
+    source.unit.set(header.unit());
     let raster = header.raster(compression)?;
     let (offset, is_pair) = (header.offset(raster.placement.voxels() * raster.kind.bytes())?, header.is_pair());
     if !is_pair {
