@@ -15,6 +15,16 @@ pub enum RenderError {
     /// The distance field cannot be computed.
     #[error(transparent)]
     Field(#[from] FieldError),
+    /// A length with a unit, for an object without one.
+    #[error("{name} = {text}: {object} has no unit; give its longest side, such as --scale-to 60mm")]
+    NoUnit {
+        /// The field.
+        name: String,
+        /// Its value.
+        text: String,
+        /// The object.
+        object: String,
+    },
     /// The object is too small for its scale to be a number.
     #[error(
         "{0}: its longest side is {1:e} units, which f32 cannot scale to an object; it must be 1e-37 or more: scale the file"

@@ -37,7 +37,7 @@ pub use measurements::{Frame, Measurements};
 pub use portable::{
     Portable, PortableImage, PortableMotion, PortableParameter, PortableProgram, PortableSampler, widest,
 };
-pub use subject::{Subject, SubjectRequest, open, request};
+pub use subject::{Millimeters, Subject, SubjectRequest, UnitOrigin, open, request, settle_lengths};
 pub use variant::{Blocks, OCTAVES_ID};
 pub use volume::{
     VoxelError, VoxelExtinction, VoxelFit, VoxelGrids, VoxelLeaf, VoxelPlan, VoxelReport, lit_media, voxelize,

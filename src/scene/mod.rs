@@ -29,6 +29,7 @@ pub use camera::{Camera, CameraField, Projection};
 pub use color::{Color, linear_to_srgb, srgb_to_linear};
 pub use effect::{Effect, EffectField, RayPath};
 pub use error::SceneError;
+pub use fields::Length;
 #[cfg(feature = "window")]
 pub use fields::MAX_BYTES;
 pub use fields::{
@@ -36,7 +37,7 @@ pub use fields::{
     option_text, parse, parse_value, schema, to_text, value_text,
 };
 pub use light::{Light, LightField, LightMethod};
-pub use object::{FORMULAS, FieldEncoding, GLSL, Object, ObjectField, Storage};
+pub use object::{FORMULAS, FieldEncoding, FileUnit, GLSL, Object, ObjectField, Storage};
 pub use parameters::{LOOP_SECONDS, Parameters, Spread};
 pub use part::{Part, PartField, Transform, TransformField};
 pub use preset_texts::names;

@@ -3,6 +3,7 @@
 use super::Axis;
 use super::fields::schema::Changes;
 use super::fields::setting::{Node, choices, settings};
+use crate::shape;
 
 settings! {
     /// The object of a scene.
@@ -20,6 +21,10 @@ settings! {
         shell: f32 = 0.0 => Field, number(0.0, 2.0), flag("shell"), unit(Unit::ObjectUnits);
         /// The axis of the file that points up.
         up: Axis = Axis::Y => Field, Kind::Choice(Axis::CHOICES), flag("up");
+        /// The unit of the coordinates of the file, for prints; pictures do not depend on it.
+        unit: FileUnit = FileUnit::File => View, Kind::Choice(FileUnit::CHOICES), flag("unit");
+        /// Longest side of the object when it is printed, millimeters; 0 is that of the file in its unit.
+        scale_to: f32 = 0.0 => View, number(0.0, 1e6), usual(0.0, 200.0), flag("scale-to"), unit(Unit::Millimeters);
         /// Stretch factors along x, y and z of object space.
         stretch: [f32; 3] = [1.0; 3] => Images, numbers(3, 0.05, 20.0), usual(0.05, 4.0), flag("stretch");
         /// Whether a volume holds signed distances, positive outside, although its file does not say so.
@@ -33,6 +38,34 @@ settings! {
             => Field, Kind::Choice(FieldEncoding::CHOICES), flag("field-encoding");
         /// Part of a volume that is in device memory.
         storage: Storage = Storage::Dense => Field, Kind::Choice(Storage::CHOICES);
+    }
+}
+
+choices! {
+    /// The unit of the coordinates of a file.
+    pub enum FileUnit {
+        /// That of the file; millimeters if it has none.
+        #[default]
+        File = "file",
+        /// Micrometers.
+        Micron = "um",
+        /// Millimeters.
+        Millimeter = "mm",
+        /// Centimeters.
+        Centimeter = "cm",
+        /// Inches.
+        Inch = "in",
+        /// Feet.
+        Foot = "ft",
+        /// Meters.
+        Meter = "m",
+    }
+}
+
+impl FileUnit {
+    /// The unit; `None` for that of the file.
+    pub fn unit(self) -> Option<shape::Unit> {
+        shape::Unit::named(self.name())
     }
 }
 

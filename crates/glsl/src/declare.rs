@@ -3,6 +3,7 @@
 //! A module declares its parameters where it uses them:
 //! ```glsl
 //! // @param hair_length = 0.16 in [0.005, 0.6]: Length of the hair, object units.
+//! //                        `, object units`: it is a length, which may be given in millimeters
 //! // @color tip_color = #d9a05f: Color of the hair at its tip.
 //! // @outer hair_length      signed distance at which the soft region ends
 //! // @move drip_length       bound of the motion of lookups, and of the growth of matter; see `reach`
@@ -105,8 +106,17 @@ pub struct Parameter {
     pub name: String,
     /// Type, default and range.
     pub kind: ParameterKind,
-    /// One sentence with the unit.
+    /// One sentence with the unit; see [`Parameter::is_length`].
     pub doc: String,
+}
+
+impl Parameter {
+    /// Whether it is a length in object space: `object units` follow a comma or begin a clause of its description.
+    pub fn is_length(&self) -> bool {
+        let after =
+            [", ", "; ", "in "].iter().filter_map(|before| self.doc.split_once(&format!("{before}object units")));
+        matches!(self.kind, ParameterKind::Number(..)) && after.into_iter().any(|(_, rest)| !rest.starts_with(" per "))
+    }
 }
 
 /// Type, default and range of a [`Parameter`].

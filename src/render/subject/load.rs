@@ -35,6 +35,8 @@ pub struct Subject {
     pub half_size: Vec3,
     /// Radius of the bounding sphere around the origin, object units.
     pub radius: f32,
+    /// Unit of the coordinates of its file.
+    pub unit: Option<shape::Unit>,
     /// Report on the computation of the field.
     pub report: Option<field::FieldReport>,
     /// Iso-value chosen for a scan without a given one.
@@ -165,10 +167,10 @@ impl Subject {
         }
         let own = own.filter(|_| *aligned);
         let mut opened = opened(object)?;
-        let others = std::mem::take(&mut opened.others);
+        let (others, unit) = (std::mem::take(&mut opened.others), opened.unit);
         let shape = opened.warned(&object.input);
         let recipe = Recipe::of(&shape, wanted, own.map_or(1.0, |own| own.scale));
-        Subject::made(&shape, recipe, own, others, progress)
+        Ok(Subject { unit, ..Subject::made(&shape, recipe, own, others, progress)? })
     }
 
     /// Computes the field of a recipe.
@@ -208,6 +210,7 @@ impl Subject {
             scale,
             half_size,
             radius,
+            unit: None,
             report,
             proposed_iso,
             others,

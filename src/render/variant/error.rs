@@ -11,6 +11,9 @@ pub enum VariantError {
     /// The scene is not valid.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// A length with a unit in a scene whose object has not been met.
+    #[error("{0} = {1}: the size of the object is unknown; `render::settle_lengths` sets the lengths of a scene")]
+    Length(String, String),
     /// A module is missing.
     #[error(transparent)]
     Library(#[from] LibraryError),

@@ -86,6 +86,9 @@ impl Variant {
     /// # Errors
     /// Those of [`Scene::check`].
     pub fn of(scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
+        if let Some((name, text)) = scene.lengths.first_key_value() {
+            return Err(VariantError::Length(name.replace('/', "."), text.clone()));
+        }
         let (scene, parameters) = scene.checked_moment(library)?;
         let entries = scene.entries();
         let mut choice = scene.slots(library);

@@ -22,6 +22,9 @@ settings! {
         modules: BTreeMap<String, String> = BTreeMap::new();
         /// Parameters of the modules, by name.
         parameters: BTreeMap<String, ParameterValue> = BTreeMap::new();
+        /// Lengths with a unit, such as `1.2mm`, by field with `/` for `.`, until the size of the object is known.
+        #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+        lengths: BTreeMap<String, String> = BTreeMap::new();
         /// Reflection of the hard surface.
         material: Material = Material::default();
         /// Color and opacity by density.

@@ -35,11 +35,15 @@ impl Scene {
     }
 
     /// Sets a field, named with its tables such as `light.color` or `parts.stone.transform.at`. The value is written as in a
-    /// scene file; a text needs no quotes. An empty value restores the default.
+    /// scene file; a text needs no quotes. A length may have a unit,
+    /// such as `1.2mm`: it is set once the size of the object is known, see [`Scene::set_lengths`]. An empty value restores the default.
     ///
     /// # Errors
     /// The field does not exist, or does not take the value. [`Scene::check`] checks it against other fields.
     pub fn set_field(&mut self, name: &str, value: &str) -> Result<(), SceneError> {
+        if self.take_length(name, value)? {
+            return Ok(());
+        }
         let parsed = (!value.is_empty()).then(|| parse_value(value));
         if let (Some(setting), Some(parsed)) = (setting(name), &parsed) {
             setting.check(name, parsed)?;

@@ -1,6 +1,7 @@
 //! Scene files: TOML; unknown fields are errors with line and nearest name.
 
 use super::field::flatten;
+use super::length;
 use super::schema::{Kind, Setting, setting};
 use crate::scene::error::reason;
 use crate::scene::{FieldId, Reach, Scene, SceneError, preset_texts};
@@ -83,7 +84,12 @@ pub fn parse(text: &str, name: &str) -> Result<Scene, SceneError> {
 
 /// Parses the text of a scene, and finds the fields that it sets.
 fn parse_given(text: &str, name: &str) -> Result<(Scene, BTreeSet<FieldId>), SceneError> {
-    let scene: Scene = toml::from_str(text).map_err(|error| syntax(&error, text, name))?;
+    let mut own = table(text, name)?;
+    let lengths = length::taken(&mut own).map_err(|error| located(error, text, name))?;
+    // A text without lengths is read as it is, so that errors have lines.
+    let read =
+        if lengths.is_empty() && own == table(text, name)? { toml::from_str(text) } else { own.clone().try_into() };
+    let mut scene: Scene = read.map_err(|error| syntax(&error, text, name))?;
     let mut values = Vec::new();
     flatten("", table(text, name)?, &mut values);
     // Deserialization ignores excess elements of a list; `Scene::check` finds all other errors.
@@ -98,16 +104,18 @@ fn parse_given(text: &str, name: &str) -> Result<(Scene, BTreeSet<FieldId>), Sce
     }
     let given = values.iter().filter_map(|(field, _)| FieldId::named(field)).collect();
     if scene.preset.is_none() && scene.parts.values().all(|part| part.preset.is_none()) {
+        scene.lengths.extend(lengths);
         return Ok((scene, given));
     }
     let mut base =
         scene.preset.as_deref().map_or(Ok(toml::Table::new()), |preset| table(preset_texts::text(preset)?, name))?;
-    merge(&mut base, table(text, name)?);
+    merge(&mut base, own);
     base.remove("preset");
     if let Some(toml::Value::Table(parts)) = base.get_mut("parts") {
         parts.iter_mut().try_for_each(|(_, part)| part_over_preset(part, name))?;
     }
-    let merged: Scene = base.try_into().map_err(|error| syntax(&error, text, name))?;
+    let mut merged: Scene = base.try_into().map_err(|error| syntax(&error, text, name))?;
+    merged.lengths.extend(lengths);
     Ok((merged, given))
 }
 

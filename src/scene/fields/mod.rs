@@ -4,6 +4,7 @@ mod command;
 mod document;
 mod field;
 mod file;
+mod length;
 pub mod schema;
 pub(in crate::scene) mod setting;
 
@@ -13,3 +14,4 @@ pub use field::parse_value;
 #[cfg(feature = "window")]
 pub use file::MAX_BYTES;
 pub use file::{load, load_given, parse, to_text};
+pub use length::Length;

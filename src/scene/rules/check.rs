@@ -112,6 +112,7 @@ impl Scene {
         let declared = library.declarations(&self.entries(), &slots)?.parameters;
         let is_declared = |name: &str| declared.iter().any(|parameter| parameter.name == name);
         self.parameters.retain(|name, _| is_declared(name));
+        self.lengths.retain(|field, _| field.strip_prefix("parameters/").is_none_or(is_declared));
         self.animation.tracks.retain(|field, _| field.strip_prefix("parameters.").is_none_or(is_declared));
         Ok(())
     }

@@ -4,7 +4,8 @@ use super::flags::Flags;
 use super::modules::{module, show, show_plane};
 use clap::{Args, ValueEnum};
 use hypertexture::output::{self, OutputError};
-use hypertexture::scene::{self, Color, FieldId, ParameterValue, Pass, Reach, Scene, SceneError};
+use hypertexture::render::settle_lengths;
+use hypertexture::scene::{self, Color, FieldId, Length, ParameterValue, Pass, Reach, Scene, SceneError};
 use hypertexture::shader::declare::hex_color;
 use hypertexture::shape::BUILT_IN;
 use hypertexture_measure::metric::Metric;
@@ -43,8 +44,8 @@ pub(crate) struct SceneArguments {
     pub debug_view: Option<DebugView>,
     /// A parameter of the effect, or any field of a scene file.
     ///
-    /// Examples: fineness=60, light.color=#ffe0c0, and parts.OBJECT.PARAMETER=VALUE for an additional object. May be
-    /// given again.
+    /// Examples: fineness=60, hair_length=3mm, light.color=#ffe0c0, and parts.OBJECT.PARAMETER=VALUE for an additional
+    /// object. May be given again.
     #[arg(long = "set", value_name = "PARAMETER=VALUE")]
     pub parameters: Vec<String>,
     /// The density modulation functions, applied in this order.
@@ -144,6 +145,7 @@ impl SceneArguments {
         self.apply_look(&mut base);
         object.apply(&mut scene)?;
         self.apply(&mut scene)?;
+        settle_lengths(&mut scene)?;
         let set = |text: &String, name: &str| text.split_once('=').is_some_and(|(own, _)| own.trim() == name);
         let is_set = |name: &str| self.settings.has(name) || self.parameters.iter().any(|text| set(text, name));
         let sets_rays_of_a_pixel = in_file || RAYS_OF_A_PIXEL.into_iter().any(is_set);
@@ -216,6 +218,10 @@ impl SceneArguments {
             scene.drop_foreign_parameters(&scene.library()?)?;
         }
         for text in parameters {
+            if let Some((name, value)) = text.split_once('=').filter(|(_, value)| Length::parse(value).is_some()) {
+                scene.set_field(&field_of_parameter(name.trim()), value.trim())?;
+                continue;
+            }
             let (name, value) = parameter(text)?;
             let further = name.strip_prefix("parts.").and_then(|rest| rest.split_once('.'));
             let (parameters, name) = match further {
@@ -229,6 +235,9 @@ impl SceneArguments {
                 }
             };
             parameters.insert(name, value);
+            scene
+                .lengths
+                .remove(&field_of_parameter(text.split('=').next().unwrap_or_default().trim()).replace('.', "/"));
         }
         let camera = &mut scene.camera;
         match self.camera.as_ref().map(|numbers| numbers.0.as_slice()) {
@@ -327,6 +336,14 @@ fn scene_of_picture(path: &Path, reach: Reach) -> Result<Scene, OutputError> {
 fn is_field(name: &str) -> bool {
     let is_parameter_of_part = name.starts_with("parts.") && name.split('.').count() == 3;
     (name.contains('.') && !is_parameter_of_part) || ["about", "combine", "boolean"].contains(&name)
+}
+
+/// The field of a parameter: `amplitude`, or `parts.b.amplitude` of an additional object.
+fn field_of_parameter(name: &str) -> String {
+    match name.strip_prefix("parts.").and_then(|rest| rest.split_once('.')) {
+        Some((part, parameter)) => format!("parts.{part}.parameters.{parameter}"),
+        None => format!("parameters.{name}"),
+    }
 }
 
 fn parameter(text: &str) -> Result<(String, ParameterValue), SceneError> {

@@ -32,6 +32,8 @@ pub enum Unit {
     Texels,
     /// Object units: the longest side of the object is 2.
     ObjectUnits,
+    /// Millimeters.
+    Millimeters,
 }
 
 impl Unit {
@@ -43,6 +45,7 @@ impl Unit {
             Unit::Pixels => " px",
             Unit::Texels => " tx",
             Unit::ObjectUnits => " u",
+            Unit::Millimeters => " mm",
         }
     }
 }

@@ -4,6 +4,7 @@ use super::state::Model;
 use crate::document::painting::{adopted, is_version};
 use crate::message::Message;
 use hypertexture::output::{OutputError, read_provenance};
+use hypertexture::render::settle_lengths;
 use hypertexture::scene::{self, Reach, Scene, SceneError};
 use hypertexture::shader::Library;
 use hypertexture_measure::guard::edited;
@@ -33,7 +34,10 @@ impl Model {
         let loaded = if is_picture {
             scene_of_picture(path).map_err(|error| error.to_string())
         } else {
-            scene::load(path, Reach::Beside).map_err(|error| error.to_string())
+            scene::load(path, Reach::Beside).map_err(|error| error.to_string()).and_then(|mut scene| {
+                settle_lengths(&mut scene).map_err(|error| error.to_string())?;
+                Ok(scene)
+            })
         };
         let opened = loaded.and_then(|scene| {
             let library = self.with_modules_of(&scene).map_err(|error| error.to_string())?;
