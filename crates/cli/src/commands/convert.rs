@@ -3,7 +3,7 @@
 use crate::terminal::{absolute, say};
 use clap::Args;
 use hypertexture::output;
-use hypertexture::shape::{self, Looks, MeshFormat, Opened, RawLayout, SampleType, Shape, VolumeFormat};
+use hypertexture::shape::{self, Looks, MeshFormat, Opened, RawLayout, SampleType, Shape, Unit, VolumeFormat};
 use hypertexture_support::write_whole;
 use std::error::Error;
 use std::path::PathBuf;
@@ -18,7 +18,7 @@ pub(crate) struct Convert {
     pub grid: Option<String>,
     /// Output: .nrrd, .mha, .nii, .nii.gz, .vdb or .npy.
     ///
-    /// Of a mesh .stl, .ply, .obj or .glb.
+    /// Of a mesh .stl, .ply, .obj, .glb or .3mf, which is in millimeters by the unit of the input.
     #[arg(long, short, value_name = "FILE")]
     pub output: PathBuf,
     /// Number of values along x, y and z, x fastest, of a file without a header.
@@ -48,7 +48,8 @@ pub(crate) fn run(command: &Convert, quiet: bool) -> Result<(), Box<dyn Error>> 
         return Err(format!("--output {}: end the name in {ENDS}, or of a mesh in {MESH_ENDS}", path.display()).into());
     }
     output::check_all([("--output", path.clone())], [PathBuf::from(&command.input)])?;
-    let shape = match &command.dims {
+    let mut unit = None;
+    let mut shape = match &command.dims {
         Some(dims) => {
             let size = three(dims).ok_or("--dims: give 3 numbers, such as 256,256,128")?;
             let kind = command.kind.ok_or("--dims: say the type of the values too, such as --type uint16")?;
@@ -73,9 +74,17 @@ pub(crate) fn run(command: &Convert, quiet: bool) -> Result<(), Box<dyn Error>> 
                 None => Opened::with_grid(input, grid)?,
             };
             output::check_all([("--output", path.clone())], opened.others.clone())?;
+            unit = opened.unit;
             opened.warned(&command.input)
         }
     };
+    // 3MF is written in millimeters, glTF has meters; other formats have no unit.
+    if let (Shape::Mesh(mesh), Some(format @ (MeshFormat::ThreeMf | MeshFormat::Glb)), Some(unit)) =
+        (&mut shape, mesh, unit)
+    {
+        let own = if format == MeshFormat::Glb { Unit::Meter } else { Unit::Millimeter };
+        *mesh = std::mem::take(mesh).scaled(unit.millimeters() / own.millimeters());
+    }
     let (input, mut bytes) = (&command.input, Vec::new());
     let about = match (&shape, volume, mesh) {
         (Shape::Volume(volume), Some(format), _) => {
@@ -115,6 +124,6 @@ fn three<T: Copy>(numbers: &[T]) -> Option<[T; 3]> {
 }
 
 /// Ends of names of meshes that are written.
-pub(crate) const MESH_ENDS: &str = ".stl, .ply, .obj or .glb";
+pub(crate) const MESH_ENDS: &str = ".stl, .ply, .obj, .glb or .3mf";
 /// Ends of names of volumes that are written.
 pub(crate) const ENDS: &str = ".nrrd, .mha, .nii, .nii.gz, .vdb or .npy";

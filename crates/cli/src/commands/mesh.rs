@@ -6,11 +6,14 @@ use crate::session::{CheckedScene, FrameObject, Outputs, Preparation, Prepared, 
 use crate::terminal::{absolute, say, with_progress};
 use clap::Args;
 use glam::Vec3;
+use hypertexture::output::PROGRAM;
 use hypertexture::render::variant::Variant;
-use hypertexture::render::{PolygonizeError, Polygons, Subject, polygonize, polygonize_with_looks};
+use hypertexture::render::{
+    Millimeters, PolygonizeError, Polygons, Subject, UnitOrigin, polygonize, polygonize_with_looks,
+};
 use hypertexture::scene::Scene;
 use hypertexture::shader::Library;
-use hypertexture::shape::{Body, MeshFormat};
+use hypertexture::shape::{self, Body, Looks, MeshFormat, PrintBody, PrintFile, Unit};
 use hypertexture_support::{significant, write_whole};
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -20,7 +23,7 @@ use std::path::{Path, PathBuf};
 pub struct Mesh {
     /// An object, a scene file, an example scene, or a picture of this program.
     pub input: String,
-    /// Output: .stl, .ply, .obj or .glb.
+    /// Output: .stl, .ply, .obj, .glb or .3mf; in millimeters, GLB in meters, if the object has a unit.
     #[arg(long, short, default_value = "mesh.stl", value_name = "FILE")]
     pub output: PathBuf,
     /// The density of the surface, above 0, up to 1.
@@ -159,11 +162,13 @@ fn write(
             mesh = mesh.without_bodies_below(least, looks.as_mut());
         }
     }
-    let mut bytes = Vec::new();
-    format.write_with(&mesh, looks.as_ref(), &mut bytes)?;
+    let (millimeters, world) = (subject.millimeters(&scene.object), mesh.signed_volume());
+    let size = mesh.bounds().max - mesh.bounds().min;
+    let mesh = mesh.scaled(factor(format, millimeters));
+    let bytes = encoded(format, command, &mesh, looks.as_ref())?;
     write_whole(path, &bytes).map_err(|error| format!("{}: {error}; nothing was written", path.display()))?;
     if !quiet {
-        let (edges, size) = (mesh.edges(), mesh.bounds().max - mesh.bounds().min);
+        let edges = mesh.edges();
         say(&format!(
             "mesh       {} vertices, {} triangles, {}; {}\n\
              size       {} x {} x {}, volume {} cubic world units\n{}{}wrote {}\n",
@@ -174,9 +179,9 @@ fn write(
             size.x,
             size.y,
             size.z,
-            mesh.signed_volume(),
+            world,
             specks(&bodies, dropped),
-            print_size(format, size),
+            print_size(format, size, millimeters),
             absolute(path)
         ));
     }
@@ -199,14 +204,46 @@ fn specks(bodies: &[Body], dropped: usize) -> String {
     if all.is_empty() { String::new() } else { format!("bodies     {}\n", all.join("; ")) }
 }
 
-/// Line about the size of a print: the formats have no unit that slicers would read.
-fn print_size(format: MeshFormat, size: Vec3) -> String {
-    if !matches!(format, MeshFormat::Stl | MeshFormat::Obj) {
-        return String::new();
+/// Unit of written coordinates in world units: millimeters, for GLB meters; world units of an object without a unit.
+fn factor(format: MeshFormat, millimeters: Option<Millimeters>) -> f64 {
+    match (format, millimeters) {
+        (_, None | Some(Millimeters { from: UnitOrigin::Assumed, .. })) => 1.0,
+        (MeshFormat::Glb, Some(size)) => size.per_world_unit / Unit::Meter.millimeters(),
+        (_, Some(size)) => size.per_world_unit,
     }
-    let [x, y, z] = size.to_array().map(|side| significant(f64::from(side), 3));
-    let name = if format == MeshFormat::Stl { "STL" } else { "OBJ" };
-    format!("print      slicers read {name} in mm: {x} x {y} x {z} mm; scale it there to the size of the print\n")
+}
+
+/// The bytes of a file; one body of 3MF is named after the object.
+fn encoded(
+    format: MeshFormat,
+    command: &Mesh,
+    mesh: &shape::Mesh,
+    looks: Option<&Looks>,
+) -> Result<Vec<u8>, Box<dyn Error>> {
+    let mut bytes = Vec::new();
+    if format != MeshFormat::ThreeMf {
+        format.write_with(mesh, looks, &mut bytes)?;
+        return Ok(bytes);
+    }
+    let name = Path::new(&command.input).file_stem().unwrap_or_default().to_string_lossy();
+    let metadata = [("Title".into(), name.clone().into_owned()), ("Application".into(), PROGRAM.into())];
+    let bodies = &[PrintBody { name: &name, mesh, looks }];
+    PrintFile { bodies, metadata: &metadata, ..PrintFile::default() }.write(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// Line about the size of a print.
+fn print_size(format: MeshFormat, size: Vec3, millimeters: Option<Millimeters>) -> String {
+    let per_unit = millimeters.map_or(1.0, |size| size.per_world_unit);
+    let [x, y, z] = size.to_array().map(|side| significant(f64::from(side) * per_unit, 3));
+    let why = match (millimeters, format) {
+        (Some(size), _) => size.from.words(),
+        (None, MeshFormat::Stl | MeshFormat::Obj | MeshFormat::ThreeMf) => {
+            "as slicers read it; --scale-to 60mm sets the longest side of the object".into()
+        }
+        (None, _) => return String::new(),
+    };
+    format!("print      {x} x {y} x {z} mm, {why}\n")
 }
 
 #[cfg(test)]
@@ -218,6 +255,16 @@ mod tests {
         assert_eq!(smallest("0.002"), Ok(Smallest::Volume(0.002)));
         assert_eq!(smallest("50 %").map(|smallest| smallest.of(4.0)), Ok(2.0));
         assert!(["-1", "x", "101%", "nan", "inf", "%", ""].iter().all(|text| smallest(text).is_err()));
+    }
+
+    #[test]
+    fn meshes_are_written_in_millimeters_where_the_unit_is_known() {
+        let size = |from| Some(Millimeters { per_object_unit: 30.0, per_world_unit: 20.0, from });
+        assert_eq!(factor(MeshFormat::Stl, size(UnitOrigin::ScaleTo)), 20.0);
+        assert_eq!(factor(MeshFormat::Glb, size(UnitOrigin::File(Unit::Meter))), 0.02);
+        assert_eq!((factor(MeshFormat::Ply, size(UnitOrigin::Assumed)), factor(MeshFormat::ThreeMf, None)), (1.0, 1.0));
+        let line = print_size(MeshFormat::Ply, Vec3::new(3.0, 2.0, 1.0), size(UnitOrigin::ScaleTo));
+        assert_eq!(line, "print      60 x 40 x 20 mm, by --scale-to\n");
     }
 
     #[test]

@@ -4,6 +4,7 @@ use super::desk::{Desk, text};
 use hypertexture::scene::schema::{Kind, Range, SETTINGS, Setting};
 use hypertexture::scene::{EFFECTS, preset};
 use hypertexture::shader::{self, ParameterKind};
+use hypertexture::shape::{self, MeshFormat, Shape};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -256,6 +257,13 @@ pub fn objects() -> Vec<Bad> {
             let end = whole.len() * part / 6;
             bent(&format!("{part}{name}"), whole[..end].to_vec());
         }
+    }
+    let mut package = Vec::new();
+    if let Ok(Shape::Mesh(mesh)) = shape::read("a.obj", obj.as_bytes()) {
+        MeshFormat::ThreeMf.write(&mesh, &mut package).unwrap();
+    }
+    for part in 0..6 {
+        bent(&format!("{part}cut.3mf"), [b"PK\x03\x04", &package[4..package.len() * (part + 1) / 7]].concat());
     }
     for part in 1..5 {
         // Within the first facet: what is whole is a mesh.

@@ -17,6 +17,7 @@ mod kills;
 mod pages;
 mod paper;
 mod pictures;
+mod prints;
 mod readers;
 mod refusals;
 #[cfg(unix)]

@@ -127,7 +127,7 @@ fn an_empty_picture_says_why() {
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn a_surface_becomes_a_mesh_that_is_rendered_as_the_object() {
     let desk = Desk::new();
-    for end in ["stl", "ply", "obj", "glb"] {
+    for end in ["stl", "ply", "obj", "glb", "3mf"] {
         let out = desk.good(&format!("mesh torus -o torus.{end} --grid 40"));
         assert!(out.contains("1 body; watertight") && out.contains("size       1.999"), "{out}");
         let told = desk.good(&format!("info torus.{end}"));

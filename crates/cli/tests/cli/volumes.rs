@@ -123,7 +123,7 @@ fn small_bodies_are_named_and_dropped() {
     let bodies = |said: &str| said.split(" triangles, ").nth(1).unwrap().split(' ').next().unwrap().to_string();
     let all = good(folder, "mesh furry_teapot --grid 64 -o a.stl");
     assert!(all.contains("below 0.1% of the volume of the largest") && bodies(&all) != "1", "{all}");
-    assert!(all.contains("print      slicers read STL in mm: "), "{all}");
+    assert!(all.contains("mm, as slicers read it; --scale-to 60mm"), "{all}");
     let one = good(folder, "mesh furry_teapot --grid 64 --smallest 0.1% -o b.ply");
     assert!(one.contains("smaller ones were dropped") && !one.contains("print  "), "{one}");
     assert!(fs::metadata(folder.join("b.ply")).unwrap().len() > 1000);
