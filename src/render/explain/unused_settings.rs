@@ -26,8 +26,9 @@ use std::collections::hash_map::Entry;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Prefixes of metadata, and of settings that always have an effect.
-const ALWAYS_USED: [&str; 6] = ["about", "preset", "modules.", "image.", "quality.samples", "object.input"];
+/// Prefixes of metadata, of settings that always have an effect, and of those of prints.
+const ALWAYS_USED: [&str; 8] =
+    ["about", "preset", "modules.", "image.", "quality.samples", "object.input", "object.unit", "object.scale_to"];
 /// Tables of settings to test.
 const TESTED_TABLES: [&str; 5] = ["object", "effect", "material", "light", "camera"];
 /// Values that place the vertices of slices.
@@ -78,6 +79,7 @@ pub fn unused_settings(
         scene.fields().into_iter().map(|(name, value)| (name, value.to_string())).collect();
     let parts = values.keys().filter(|name| name.starts_with("parts.")).map(String::as_str);
     let names = SETTINGS.iter().map(|setting| setting.name).chain(parts);
+    let names = names.filter(|name| !ALWAYS_USED.iter().any(|always| name.starts_with(always)));
     let mut idle = Vec::new();
     for name in names {
         let Some(setting) = setting(name).filter(|setting| TESTED_TABLES.contains(&setting.table())) else { continue };
