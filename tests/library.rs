@@ -23,4 +23,5 @@ mod march;
 mod pictures;
 mod polygons;
 mod slices;
+mod solids;
 mod turned;

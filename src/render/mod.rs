@@ -14,6 +14,7 @@ mod groom;
 mod inputs;
 mod measurements;
 mod portable;
+mod solid;
 mod subject;
 pub mod texture;
 pub mod variant;
@@ -37,6 +38,7 @@ pub use measurements::{Frame, Measurements};
 pub use portable::{
     Portable, PortableImage, PortableMotion, PortableParameter, PortableProgram, PortableSampler, widest,
 };
+pub use solid::{Detail, Proof, Solid, SolidError, SolidFacts, solid};
 pub use subject::{Millimeters, Subject, SubjectRequest, UnitOrigin, open, request, settle_lengths};
 pub use variant::{Blocks, OCTAVES_ID};
 pub use volume::{

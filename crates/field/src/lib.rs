@@ -30,6 +30,6 @@ pub use cache::{Key, load_or_compute};
 pub use closest::ClosestPoints;
 pub use error::FieldError;
 pub use grid::{DistanceField, Grid};
-pub use level_set::LevelSet;
+pub use level_set::{BLOCK, LevelSet, SignBlock};
 pub use request::{FieldReport, Progress, Request};
 pub use transform::{transform, transform_with_closest};

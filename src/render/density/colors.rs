@@ -14,7 +14,7 @@ use rayon::prelude::*;
 const BATCH: usize = 1024;
 
 /// Color of the matter at places in object space, linear RGB in \[0, 1\]: black where there is no matter.
-pub(super) fn colors(
+pub(crate) fn colors(
     library: &Library,
     drawn: &Variant,
     subject: &Subject,

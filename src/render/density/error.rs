@@ -19,6 +19,14 @@ pub enum PolygonizeError {
     /// The density is out of range.
     #[error("density {0}: not above 0 and up to 1; 0.5 suits most objects")]
     Density(f32),
+    /// The mesh needs more memory than there is.
+    #[error("the mesh needs about {} MiB of memory, of {} MiB; choose coarser samples", needed >> 20, most >> 20)]
+    Memory {
+        /// Bytes that it needs.
+        needed: u64,
+        /// Bytes that it may use.
+        most: u64,
+    },
     /// No sample is inside.
     #[error("no sample has a density of {level}: {}lower it, or take more samples", match *largest > 0.0 {
         true => format!("the largest is {largest:.3}; "),

@@ -1,7 +1,7 @@
 //! Bodies of a mesh: its connected components, with their sizes.
 
 use super::mesh::{Components, weld};
-use super::{Looks, Mesh};
+use super::{Bounds, Looks, Mesh};
 use foldhash::HashMap;
 use glam::Vec3;
 
@@ -27,8 +27,45 @@ impl Mesh {
     /// The mesh of the bodies whose volume is at least `least`, cubic world units; `looks` become those of its vertices.
     pub fn without_bodies_below(&self, least: f64, looks: Option<&mut Looks>) -> Mesh {
         let (numbers, bodies) = self.numbered_bodies();
-        let kept = self.triangles.iter().zip(numbers).filter(|(_, body)| bodies[*body].volume >= least);
-        let mut triangles: Vec<[u32; 3]> = kept.map(|(triangle, _)| *triangle).collect();
+        let is_kept: Vec<bool> = numbers.iter().map(|body| bodies[*body].volume >= least).collect();
+        let (mesh, own) = self.part(|triangle| is_kept[triangle], looks.as_deref());
+        looks.into_iter().zip(own).for_each(|(looks, own)| *looks = own);
+        mesh
+    }
+
+    /// Bodies as meshes of their own with the looks of their vertices, in the order of their first triangles; a cavity stays with
+    /// the smallest body whose box holds it.
+    pub fn apart(&self, looks: Option<&Looks>) -> Vec<(Mesh, Option<Looks>)> {
+        let (numbers, bodies) = self.numbered_bodies();
+        let mut parts: Vec<(f64, Bounds)> =
+            bodies.iter().map(|body| (0.0, Bounds { min: body.place, max: body.place })).collect();
+        for (triangle, number) in numbers.iter().enumerate() {
+            let (from, (volume, bounds)) = (bodies[*number].place, &mut parts[*number]);
+            let [a, b, c] = self.corners(triangle).map(|corner| (corner - from).as_dvec3());
+            *volume += a.dot(b.cross(c));
+            for corner in self.corners(triangle) {
+                (bounds.min, bounds.max) = (bounds.min.min(corner), bounds.max.max(corner));
+            }
+        }
+        let holds =
+            |outer: &Bounds, inner: &Bounds| outer.min.cmple(inner.min).all() && inner.max.cmple(outer.max).all();
+        let owner = |number: usize| {
+            let (volume, bounds) = &parts[number];
+            let outer = (0..parts.len()).filter(|other| parts[*other].0 > -volume && holds(&parts[*other].1, bounds));
+            let smallest = outer.min_by(|a, b| parts[*a].0.total_cmp(&parts[*b].0));
+            if *volume < 0.0 { smallest.unwrap_or(number) } else { number }
+        };
+        let owners: Vec<usize> = (0..parts.len()).map(owner).collect();
+        let own = (0..parts.len()).filter(|number| owners[*number] == *number);
+        own.map(|number| self.part(|triangle| owners[numbers[triangle]] == number, looks)).collect()
+    }
+
+    /// The mesh of some triangles, with the looks of their vertices.
+    fn part(&self, is_kept: impl Fn(usize) -> bool, looks: Option<&Looks>) -> (Mesh, Option<Looks>) {
+        let mut triangles: Vec<[u32; 3]> = (0..self.triangles.len())
+            .filter(|triangle| is_kept(*triangle))
+            .map(|triangle| self.triangles[triangle])
+            .collect();
         let (mut renumbered, mut vertices) = (HashMap::<u32, u32>::default(), Vec::new());
         for corner in triangles.as_flattened_mut() {
             let next = vertices.len() as u32;
@@ -38,14 +75,13 @@ impl Mesh {
             }
             *corner = new;
         }
-        if let Some(looks) = looks {
-            let normals = vertices.iter().filter_map(|vertex| looks.normals.get(*vertex).copied()).collect();
-            let colors = vertices.iter().filter_map(|vertex| looks.colors.get(*vertex).copied()).collect();
-            *looks = Looks { normals, colors };
-        }
+        let looks = looks.map(|looks| Looks {
+            normals: vertices.iter().filter_map(|vertex| looks.normals.get(*vertex).copied()).collect(),
+            colors: vertices.iter().filter_map(|vertex| looks.colors.get(*vertex).copied()).collect(),
+        });
         let positions = vertices.iter().map(|vertex| self.positions[*vertex]).collect();
         let colors = vertices.iter().filter_map(|vertex| self.colors.get(*vertex).copied()).collect();
-        Mesh { positions, triangles, colors, offset: self.offset, ..Mesh::default() }
+        (Mesh { positions, triangles, colors, offset: self.offset, ..Mesh::default() }, looks)
     }
 
     /// The body of each triangle, and the bodies in the order of their first triangles.
@@ -117,5 +153,20 @@ mod tests {
             assert_eq!(*position, mesh.positions[color[0] as usize]);
         }
         assert_eq!(mesh.without_bodies_below(0.0, None).triangles.len(), 12);
+    }
+
+    #[test]
+    fn a_cavity_stays_with_the_body_around_it() {
+        let mut mesh = tetrahedra(&[9.0, 3.0]);
+        let cavity = tetrahedra(&[1.0]);
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend(cavity.positions.iter().map(|place| *place + Vec3::splat(0.5)));
+        mesh.triangles.extend(cavity.triangles.iter().map(|[a, b, c]| [first + a, first + c, first + b]));
+        let parts = mesh.apart(None);
+        let found: Vec<(usize, f64)> =
+            parts.iter().map(|(part, _)| (part.triangles.len(), part.signed_volume())).collect();
+        assert_eq!(found.len(), 2);
+        assert_eq!((found[0].0, found[1].0), (8, 4));
+        assert!((found[0].1 - (729.0 - 1.0) / 6.0).abs() < 1e-3 && (found[1].1 - 4.5).abs() < 1e-3, "{found:?}");
     }
 }
