@@ -17,7 +17,7 @@ fn a_mesh_is_written_as_long_as_it_shall_be() {
     let desk = Desk::new();
     let length = |name: &str| opened(&desk.file(name)).0.bounds().size().max_element();
     let out = desk.good("mesh torus --grid 40 --scale-to 60mm -o a.3mf");
-    assert!(out.contains("mm, by --scale-to"), "{out}");
+    assert!(out.contains("by --scale-to"), "{out}");
     let (_, file) = opened(&desk.file("a.3mf"));
     assert_eq!((file.unit, file.names), (Some(Unit::Millimeter), vec!["torus".to_string()]));
     assert!((length("a.3mf") - 60.0).abs() < 0.1, "{}", length("a.3mf"));
@@ -62,10 +62,51 @@ fn lengths_without_a_size_are_refused() {
             ("render torus --scale-to 60mm --iso 1mm -o a.png", &["iso"]),
             ("mesh noisy_sphere --scale-to 60mm --set frequency=1mm -o a.3mf", &["frequency is not a length"]),
             ("mesh noisy_sphere --scale-to 60mm --set amplitude=90mm -o a.3mf", &["amplitude = 3", "must be from"]),
-            ("mesh noisy_sphere --scale-to -5mm -o a.3mf", &["object.scale_to = -5", "must be from"]),
+            ("mesh noisy_sphere --scale-to=-5mm -o a.3mf", &["object.scale_to = -5", "must be from"]),
             ("mesh noisy_sphere --scale-to 5parsec -o a.3mf", &["scale_to", "must be a number"]),
             ("render s.toml -o a.png", &["s.toml:2", "object.iso is not a length"]),
             ("mesh torus --unit furlong -o a.3mf", &["--unit", "furlong"]),
+        ],
+    );
+}
+
+#[test]
+fn a_mesh_within_a_tolerance_says_what_is_proven() {
+    let desk = Desk::new();
+    let out = desk.good("mesh noisy_sphere --scale-to 60mm --tolerance 0.6mm -o a.3mf");
+    assert!(out.contains("surface    within 0.6 mm of ") && out.contains("lost"), "{out}");
+    assert!(out.contains("1 body; watertight") && out.contains(" cm3") && out.contains("overhang   "), "{out}");
+    let (mesh, _) = opened(&desk.file("a.3mf"));
+    let facts = desk.good("mesh noisy_sphere --scale-to 60mm --triangles 1000 --json -o b.stl");
+    let facts: serde_json::Value = serde_json::from_str(&facts).unwrap();
+    let triangles = facts["triangles"].as_u64().unwrap();
+    assert!((990..=1000).contains(&triangles) && facts["unit"] == "mm", "{facts}");
+    assert!(facts["surface"]["self_intersections"].is_u64() && facts["watertight"] == true, "{facts}");
+    let (volume, of_other) = (facts["volume"].as_f64().unwrap(), mesh.signed_volume());
+    assert!((volume / of_other - 1.0).abs() < 0.05, "{volume} {of_other}");
+}
+
+#[test]
+fn bodies_are_apart_in_a_file_that_has_them() {
+    let desk = Desk::new();
+    desk.good("mesh ensemble --resolution 32 --tolerance 0.05 --bodies apart --smallest 1% -o a.3mf");
+    let (mesh, file) = opened(&desk.file("a.3mf"));
+    assert_eq!(file.names.len(), mesh.bodies().len(), "{:?}", file.names);
+    assert!(file.names[0].starts_with("ensemble"), "{:?}", file.names);
+}
+
+#[test]
+fn tolerances_that_cannot_be_held_are_refused() {
+    refused(
+        |_| (),
+        &[
+            ("mesh sphere --tolerance 0.1mm -o a.3mf", &["--tolerance 0.1mm", "no unit", "--scale-to 60mm"]),
+            ("mesh sphere --tolerance 0 -o a.3mf", &["--tolerance", "a length above 0"]),
+            ("mesh sphere --scale-to 60mm --tolerance 1um -o a.3mf", &["--tolerance 0.001 mm: not from", "mm"]),
+            ("mesh sphere --tolerance 1 -o a.3mf", &["--tolerance 1: not from"]),
+            ("mesh sphere --triangles 9 -o a.3mf", &["--triangles 9: not in 100 to 10000000"]),
+            ("mesh sphere --triangles 900 --grid 64 -o a.3mf", &["--grid", "cannot be used with"]),
+            ("mesh sphere --bodies apart -o a.stl", &["--bodies apart: only .3mf has bodies"]),
         ],
     );
 }

@@ -11,6 +11,7 @@ case "$command $*" in
     stress*) small="--samples 4 --resolution 24" ;;
     bench*) small="--repeat 1 effects/lit" ;;
     field*) small="--resolution 24" ;;
+    "mesh "*--tolerance*) small="--tolerance 2mm --resolution 24" ;;
     mesh* | volume*) small="--grid 16 --resolution 24" ;;
     gallery*) small="--size 16x16 --samples 8 --resolution 24" ;;
     *--script* | *--frames*) ;;
@@ -24,7 +25,7 @@ left=$#
 while [ "$left" -gt 0 ]; do
     left=$((left - 1))
     case "$1" in
-        --size | --samples | --resolution) shift && left=$((left - 1)) ;;
+        --size | --samples | --resolution | --tolerance) shift && left=$((left - 1)) ;;
         *) set -- "$@" "$1" ;;
     esac
     shift
