@@ -6,6 +6,7 @@
 
 mod cover;
 mod decimate;
+mod error;
 mod facts;
 mod lost;
 mod quadric;
@@ -13,6 +14,7 @@ mod refine;
 mod tree;
 mod triangle;
 
+pub use error::SolidError;
 pub use facts::SolidFacts;
 
 use crate::field::{LevelSet, Progress};
@@ -86,51 +88,10 @@ pub struct Solid {
     pub mesh: Mesh,
     /// Normals of the mesh and colors of the matter at its vertices.
     pub looks: Looks,
-    /// What is proven of it.
+    /// Proven distances and what is left open.
     pub proof: Proof,
     /// Triangles before decimation.
     pub full: usize,
-}
-
-/// Error of a solid.
-#[derive(Debug, thiserror::Error)]
-pub enum SolidError {
-    /// The density gives no surface.
-    #[error(transparent)]
-    Polygonize(#[from] PolygonizeError),
-    /// The tolerance is out of range.
-    #[error("tolerance {tolerance}: not from {least} to {most}, in the unit of the object")]
-    Tolerance {
-        /// The tolerance.
-        tolerance: f64,
-        /// Least one: below it, coordinates of 32 bits or numbers of samples do not hold the surface.
-        least: f64,
-        /// Greatest one.
-        most: f64,
-    },
-    /// The number of triangles is out of range.
-    #[error("triangles {0}: not in 100 to 10000000")]
-    Triangles(usize),
-    /// The mesh needs more memory than there is.
-    #[error(
-        "tolerance {tolerance}: needs about {} MiB of memory, and {} MiB may be used; {fits} would fit", needed >> 20, most >> 20
-    )]
-    Memory {
-        /// The tolerance.
-        tolerance: f64,
-        /// Bytes that it needs.
-        needed: u64,
-        /// Bytes that may be used.
-        most: u64,
-        /// A tolerance that fits.
-        fits: f64,
-    },
-}
-
-impl From<crate::eval::ExactError> for SolidError {
-    fn from(error: crate::eval::ExactError) -> SolidError {
-        SolidError::Polygonize(error.into())
-    }
 }
 
 /// The full mesh and the density that it is of, in object space.
