@@ -66,6 +66,7 @@ layout(set = 0, binding = 59) uniform texture3D cell_image;         // cells tha
 layout(set = 0, binding = 60) uniform texture2D target_image;       // the picture, as far as it is drawn: see mark.frag
 layout(set = 0, binding = 62) uniform texture3D groom_shape_image;  // painted: direction in RGB, length in A
 layout(set = 0, binding = 63) uniform texture3D groom_look_image;   // painted: color in RGB, density in A
+layout(set = 0, binding = 64) uniform texture3D groom_amount_image; // painted: how strong warps and DMFs are
 #define noise_block sampler3D(noise_image, block_sampler)
 #define noise_value_block sampler3D(noise_value_image, block_sampler)
 #define turbulence_block sampler3D(turbulence_image, block_sampler)
@@ -80,6 +81,7 @@ layout(set = 0, binding = 63) uniform texture3D groom_look_image;   // painted: 
 #define light_behind sampler2D(light_behind_image, table_sampler)
 #define groom_shape_volume sampler3D(groom_shape_image, clamp_sampler)
 #define groom_look_volume sampler3D(groom_look_image, clamp_sampler)
+#define groom_amount_volume sampler3D(groom_amount_image, clamp_sampler)
 #define cell_grid sampler3D(cell_image, clamp_sampler)
 #define shadow_volume sampler3D(shadow_image, clamp_sampler)
 #include "part.glsl"

@@ -17,7 +17,7 @@ layout(set = 0, binding = 16) uniform Constants {
     vec4 volume_texel;      // one texel in texture coordinates
     vec4 distance_decode;   // stored texel s to signed distance: x + y * s, object units
     mat4 place_matrix;      // object space of the scene to that of this object, where a scene has several
-    vec4 own_min;           // box around the soft region, in the object's own space
+    vec4 own_min;           // box around the soft region, in the object's own space; heights of a kept base in w
     vec4 own_max;
     vec4 transfer_color;    // of a transfer map that has no other: linear RGB, density in A
     float opacity_rate;     // c of PH 3.1, per object unit

@@ -3,6 +3,7 @@
 // Object space and object units. A DMF that leaves something takes `inout Sample s`; no sample sees what was left in
 // another, so that a probe beside it changes nothing.
 #include <groom>
+#include <amount>
 struct Sample {
     vec3 x;             // object position
     float distance;     // signed distance to the surface, positive outside

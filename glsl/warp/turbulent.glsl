@@ -10,6 +10,7 @@
 // @param turbulence_speed = 0.3 in [0, 8]: Speed at which the turbulence rises, object units per second.
 #include <turbulence>
 #include <phases>
+#include <amount>
 #include "scale_radius.glsl"
 void turbulent(inout vec3 x, inout mat3 jacobian) {
     vec3 p = turbulence_frequency * (x - vec3(0.0, turbulence_speed * time, 0.0));
@@ -17,6 +18,7 @@ void turbulent(inout vec3 x, inout mat3 jacobian) {
     float arm = min(length(x), hold_radius);
     float enough = 1.0001 * (own_radius - length(x)) / max(turbulence_amplitude * arm, 1e-6);
     if (sample_reach > 0.0) enough = ALL;      // a segment asks how far outside its ends are
+    amounted(enough = ALL;)                    // and of a part of the sum there is more left
     float width = turbulence_frequency * sample_width();
     vec4 sum = moved_by(turbulence_gradient(p, width, UNTIL(enough)), turbulence(p, width, UNTIL(enough)));
     SECOND_PHASE(

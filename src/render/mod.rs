@@ -32,7 +32,7 @@ pub use explain::{
     describe_frame, eye_inside, loop_note, octaves_held, same_pictures, unused_overrides, unused_settings, warnings,
 };
 pub use frame::{Renderer, Transmittance, check_depth, paste_areas, render, transmittance};
-pub use groom::{Channel, GroomError, fill_channel};
+pub use groom::{Channel, GroomError, fade_flat, fill_channel};
 pub use inputs::{CpuInputs, ImageInfo, Sparse};
 pub use measurements::{Frame, Measurements};
 pub use portable::{

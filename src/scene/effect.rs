@@ -10,6 +10,8 @@ settings! {
         dmf: Vec<String> = Vec::new() => Images, Kind::Stack;
         /// Displacements of the sampled position, applied in this order.
         warp: Vec<String> = Vec::new() => Images, Kind::Stack;
+        /// Height of the base that the effect leaves as it is, object units: warps and DMFs do nothing on so much of the object's own lowest part, along y, nor below or beside it, and reach their strength over another quarter of that height.
+        keep_base: f32 = 0.0 => Images, number(0.0, 2.0), usual(0.0, 0.5), flag("keep-base"), unit(Unit::ObjectUnits);
         /// Conversion of a sample to a color.
         classify: String = "surface".into() => Images, Kind::Module(Filled::ByObject);
         /// Conversion of the distance to a density.

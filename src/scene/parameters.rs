@@ -64,15 +64,16 @@ impl Parameters {
     /// Displacements and growth around a soft region of this radius.
     ///
     /// A displacement along the radius from x to x (1 - k) moves matter of radius r to r / (1 - k). It is clamped from there
-    /// on, or earlier if that is too far.
-    pub fn spread(&self, radius: f32) -> Spread {
+    /// on, or earlier if that is too far. Warps act with at most `strength` times their full effect.
+    pub fn spread(&self, radius: f32, strength: f32) -> Spread {
         type Of = fn(&Reach, &dyn Fn(&str) -> f32) -> Sides;
         let all = |hold: f32, of: Of| {
             let given = [hold, self.declared.noise_bound.unwrap_or(NOISE_BOUND)];
             let value = |name: &str| {
                 GIVEN.iter().zip(given).find(|(given, _)| **given == name).map_or_else(|| self.number(name), |(_, v)| v)
             };
-            self.declared.reach.iter().map(|reach| of(reach, &value)).fold(Sides::default(), Sides::plus)
+            let sides = self.declared.reach.iter().map(|reach| of(reach, &value)).fold(Sides::default(), Sides::plus);
+            sides.times(strength)
         };
         let bare = all(0.0, Reach::grows);
         let start = radius + bare.farthest();

@@ -91,11 +91,11 @@ pub fn each(library: &Library, mut on: impl FnMut(&str, &str, &Slots, &str)) {
 }
 
 /// Every folder of modules is in the table, but those that only the vertex stage and slices have, with their light, and
-/// that of grooms, whose volume no preset has (tests/pictures/groom.rs).
+/// those of grooms and of amounts, whose volume no preset has (tests/pictures/groom.rs).
 #[test]
 fn no_slot_is_left_out() {
     let library = shader::shipped();
-    let others = ["groom", "proxy", "sampling", "reject", "scatter", "doctor"];
+    let others = ["groom", "amount", "proxy", "sampling", "reject", "scatter", "doctor"];
     let folders = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/glsl")).unwrap();
     for folder in folders.map(|entry| entry.unwrap()).filter(|entry| entry.path().is_dir()) {
         let name = folder.file_name().into_string().unwrap();

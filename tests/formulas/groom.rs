@@ -5,6 +5,7 @@ use crate::formulas::harness::{At, Check};
 use crate::formulas::light::{lit, phong};
 use crate::formulas::surface;
 use crate::formulas::values::{c, filtered, image};
+use crate::formulas::warp::{displaces, warped};
 use glam::DVec3;
 use hypertexture::eval::Wrap;
 use hypertexture::shader::Library;
@@ -16,6 +17,8 @@ crate::rows! {
         "groom/volume.glsl": "(1.0 - density) / clamp" => "(1.0 - density) * clamp";
     without_a_groom_nothing_is_read = |l| read(l, "none", 1.0),
         "groom/none.glsl": "groomed(code)" => "groomed(code) code";
+    without_amounts_nothing_is_read = whole,
+        "amount/none.glsl": "amounted(code)" => "amounted(code) code";
     the_root_of_a_place_is_its_foot = |l| read(l, "volume", 0.0),
         "sample.glsl": "s.root = x - (" => "s.root = x + (";
     a_lit_surface_is_painted = |l| colored(l, "lit", |at| phong(at, painted_color(at, surface::material(at)), at.place(1))),
@@ -28,6 +31,16 @@ crate::rows! {
         "warp/melting.glsl": "amplitude *= min" => "amplitude += min",
         "warp/melting.glsl": "+= more.x" => "-= more.x",
         "groom/volume.glsl": "/ (2.0 * reach)" => "/ reach";
+    a_warp_moves_by_the_painted_amount = |l| dripping(l, "painted"),
+        "amounts.glsl": "outerProduct(moved, slope)" => "outerProduct(slope, moved)",
+        "amounts.glsl": "before + amount * moved" => "before - amount * moved",
+        "amount/painted.glsl": "return groom_amount(x)" => "return 1.0 + groom_amount(x)";
+    a_warp_sets_in_above_a_kept_base = |l| dripping(l, "base"),
+        "kept_base.glsl": "6.0 * part" => "3.0 * part",
+        "kept_base.glsl": "x.y)" => "x.z)",
+        "amount/base.glsl": "return above_base(x)" => "return 1.0 + above_base(x)";
+    a_warp_is_painted_above_a_kept_base = |l| dripping(l, "both"),
+        "amount/both.glsl": "groom_amount(x) * above_base_slope" => "above_base_slope";
 }
 
 /// Groom at a place of the skin.
@@ -95,6 +108,13 @@ fn read(library: &Library, module: &str, expected: f64) -> f64 {
     check.holds(1e-9, move |_| vec![expected])
 }
 
+/// A number that amounts change.
+fn whole(library: &Library) -> f64 {
+    let text = "#include <amount>\nvoid check() { out0.x = p0.x; amounted(out0.x = p0.x + 1.0;) }";
+    let check = Check::new(library, &[("amount", "none")], text).given(|random, _| [[random.unit(); 4]; 4]);
+    check.holds(0.0, |at| vec![at.p[0][0]])
+}
+
 fn painted_color(at: &At<'_>, own: DVec3) -> DVec3 {
     mixed(own, painted(at, at.place(0)).color)
 }
@@ -116,7 +136,7 @@ fn colored(library: &Library, module: &str, formula: fn(&At<'_>) -> DVec3) -> f6
 fn melting(library: &Library) -> f64 {
     let slope = DVec3::new(0.5, 0.25, 0.125);
     let even = image([16; 3], |p| DVec3::ZERO.extend(p.dot(slope)).to_array());
-    let check = crate::formulas::warp::warped(library, &[("warp", "melting"), ("groom", "volume")])
+    let check = warped(library, &[("warp", "melting"), ("groom", "volume")])
         .with_texture("groom_shape_image", even)
         .given(|random, _| {
             let mut p = random.point();
@@ -126,10 +146,39 @@ fn melting(library: &Library) -> f64 {
                 .for_each(|input| *input = random.in_cube(1.0).extend(random.within(-1.0, 1.0)).to_array());
             p
         });
-    crate::formulas::warp::displaces(check, 1e-6, |at, x: Place| {
+    displaces(check, 1e-6, |at, x: Place| {
         let slope = [0.5, 0.25, 0.125].map(|slope| slope * c(0.5 / 1.125));
         let length = (0..3).fold(dual(0.875 / 2.0), |sum, axis| sum + x[axis] * slope[axis]);
         let [_, bare, _] = crate::formulas::warp::melting(at, x);
         [x[0], x[1] + (bare - x[1]) * length, x[2]]
+    })
+}
+
+/// An amount that grows evenly along a diagonal, and sets in between two heights.
+fn dripping(library: &Library, module: &'static str) -> f64 {
+    let slope = DVec3::new(0.5, 0.25, 0.125);
+    let even = image([16; 3], |p| DVec3::splat(2.0 * p.dot(slope)).extend(0.0).to_array());
+    let check = warped(library, &[("warp", "dripping"), ("groom", "volume"), ("amount", module)])
+        .with_texture("groom_amount_image", even)
+        .given(|random, _| {
+            let mut p = random.point();
+            p[0] = random.in_cube(0.8).extend(0.0).to_array();
+            let slope = |input: &mut [f64; 4]| *input = random.in_cube(1.0).extend(random.within(-1.0, 1.0)).to_array();
+            p[1..].iter_mut().for_each(slope);
+            p
+        });
+    displaces(check, 1e-6, move |at, x: Place| {
+        let [low, high] = ["own_min", "own_max"].map(|name| at.fourth(name));
+        let part = ((x[1] - dual(low)) / dual(high - low)).clamp(0.0, 1.0);
+        let above = part * part * (dual(3.0) - part * 2.0);
+        let slope = [0.5, 0.25, 0.125].map(|slope| 2.0 * slope * c(0.5 / 1.125));
+        let painted = (0..3).fold(dual(0.875), |sum, axis| sum + x[axis] * slope[axis]);
+        let amount = match module {
+            "painted" => painted,
+            "base" => above,
+            _ => above * painted,
+        };
+        let [_, whole, _] = crate::formulas::warp::dripping(at, x);
+        [x[0], x[1] + (whole - x[1]) * amount, x[2]]
     })
 }

@@ -71,7 +71,7 @@ fn p24_warps_move_lookups_and_matter_within_their_bounds() {
             // The object: what a box and a ball have in common.
             let radius = 0.6 + random.unit();
             let half = DVec3::new(random.unit(), random.unit(), random.unit()) * radius;
-            let spread = parameters.spread(radius as f32);
+            let spread = parameters.spread(radius as f32, 1.0);
             let (grows, moves) = (spread.grows, spread.moves);
             let own_radius = radius + f64::from(grows.farthest());
             let sides = |round: f32, side: [f32; 3]| DVec3::from(side.map(|length| f64::from(round + length)));

@@ -195,7 +195,12 @@ impl Setting {
             "ray_scale" => one(random, 0.2, 1.5),
             _ => one(random, 0.0, 1.0),
         };
-        let last = if name == "clip_plane" { random.within(-0.5, 0.5) } else { 1.0 };
+        let last = match name {
+            "clip_plane" => random.within(-0.5, 0.5),
+            "own_min" => random.within(-0.6, -0.2),
+            "own_max" => random.within(0.2, 0.6),
+            _ => 1.0,
+        };
         [three.as_slice(), &[last]].concat()
     }
 }

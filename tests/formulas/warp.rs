@@ -66,6 +66,7 @@ fn warp(library: &Library, module: &str, formula: fn(&At<'_>, Place) -> Place) -
 /// A warp after another one, whose derivative is given.
 pub fn warped(library: &Library, slots: &[(&str, &str)]) -> Check {
     let text = "#include \"scale_radius.glsl\"
+        #include <amount>
         #include <warp>
         void check() {
             vec3 x = p0.xyz;
@@ -85,7 +86,7 @@ pub fn warped(library: &Library, slots: &[(&str, &str)]) -> Check {
     })
 }
 
-pub fn displaces(check: Check, tolerance: f64, formula: fn(&At<'_>, Place) -> Place) -> f64 {
+pub fn displaces(check: Check, tolerance: f64, formula: impl Fn(&At<'_>, Place) -> Place) -> f64 {
     check.holds(tolerance, |at| {
         let before = DMat3::from_cols(at.place(1), at.place(2), DVec3::new(at.p[1][3], at.p[2][3], at.p[3][3]));
         let moved = formula(at, place(at.place(0)));
@@ -94,7 +95,7 @@ pub fn displaces(check: Check, tolerance: f64, formula: fn(&At<'_>, Place) -> Pl
     })
 }
 
-fn dripping(at: &At<'_>, [x, y, z]: Place) -> Place {
+pub fn dripping(at: &At<'_>, [x, y, z]: Place) -> Place {
     let drips = at.number("drips");
     let n = noise([x * drips, y * (drips * c(0.2)), z * drips]);
     let longest = at.number("drip_amplitude") / c(0.75f64.sqrt());

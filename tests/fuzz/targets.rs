@@ -64,7 +64,7 @@ const GLTF: &str = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0
 /// A groom whose every voxel differs.
 fn a_groom() -> Vec<u8> {
     let (mut groom, mut bytes) = (Groom::unpainted("a", 32), Vec::new());
-    (0..64).for_each(|index| groom.set(index, [index as f32 / 32.0; 8]));
+    (0..64).for_each(|index| groom.set(index, [index as f32 / 32.0; 9]));
     groom.write(&mut bytes).unwrap_or_else(|error| panic!("{error}"));
     bytes
 }

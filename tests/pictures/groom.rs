@@ -14,7 +14,7 @@ use std::sync::Arc;
 const EFFECTS: [&str; 8] = ["fur", "tribble", "melting", "fire", "shells", "woven", "solid", "bump"];
 
 /// An effect on a torus, painted by a function of the place, in a file.
-fn groomed(effect: &str, file: &Path, paint: impl Fn(glam::Vec3) -> [f32; 8]) -> Scene {
+fn groomed(effect: &str, file: &Path, paint: impl Fn(glam::Vec3) -> [f32; 9]) -> Scene {
     let mut scene = preset(effect).unwrap();
     (scene.object.input, scene.image.size) = ("torus".into(), [48, 40]);
     scene.quality.samples = scene.quality.samples.min(160);
@@ -28,9 +28,9 @@ fn groomed(effect: &str, file: &Path, paint: impl Fn(glam::Vec3) -> [f32; 8]) ->
 }
 
 /// Shorter to the right, white at the top, combed around, thinner to the front.
-fn painted(x: glam::Vec3) -> [f32; 8] {
+fn painted(x: glam::Vec3) -> [f32; 9] {
     let along = glam::Vec3::new(-x.z, 0.0, x.x).normalize_or_zero();
-    [0.6 - 0.4 * x.x, 0.9 - 0.3 * x.z, 1.0 + x.y, 1.0 + x.y, 1.0, 0.7 * along.x, 0.0, 0.7 * along.z]
+    [0.6 - 0.4 * x.x, 0.9 - 0.3 * x.z, 1.0 + x.y, 1.0 + x.y, 1.0, 0.7 * along.x, 0.0, 0.7 * along.z, 1.0]
 }
 
 #[test]

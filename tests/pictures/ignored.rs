@@ -232,7 +232,7 @@ fn what_is_ignored_in_glass_and_in_sums_of_noise() {
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn a_groom_is_ignored_where_nothing_that_is_read_is_painted() {
     let (library, folder) = (shader::shipped(), tempfile::tempdir().unwrap());
-    let painted = |name: &str, voxel: [f32; 8]| {
+    let painted = |name: &str, voxel: [f32; 9]| {
         let mut groom = Groom::unpainted("torus", 32);
         (0..groom.voxels()).for_each(|index| groom.set(index, voxel));
         let (path, mut bytes) = (folder.path().join(name), Vec::new());
@@ -240,8 +240,8 @@ fn a_groom_is_ignored_where_nothing_that_is_read_is_painted() {
         std::fs::write(&path, bytes).unwrap();
         Some(path.display().to_string())
     };
-    let bald = painted("bald.nrrd", [0.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
-    let red = painted("red.nrrd", [1.0, 1.0, 2.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    let bald = painted("bald.nrrd", [0.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
+    let red = painted("red.nrrd", [1.0, 1.0, 2.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
     with_gpu(|gpu| {
         for (effect, before, after, is_same) in [
             ("lit", &None, &bald, true),

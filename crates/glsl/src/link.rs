@@ -4,6 +4,8 @@
 //! a function that applies them in order. `#include <parameters>` includes the uniform block of all declared parameters.
 //! Errors name module and line, since glslang sees each module under its own name.
 //!
+//! With a module in slot `amount`, each call of a stack is weighted by it.
+//!
 //! SPIR-V for Vulkan cannot import functions, so "program objects linked to swap functions" (MJ 3) become different files in
 //! one slot.
 
@@ -18,7 +20,7 @@ use super::library::Library;
 use super::names::{members, suffixed};
 use super::rounding::with_exact_rounding;
 use super::slots::{
-    FOLDED, FORMULA, MAIN, MEDIUM, NONE, OBJECT_ENTRY, OBJECTS, OPTIONAL, PARAMETERS, PART, Slots, qualified,
+    AMOUNT, FOLDED, FORMULA, MAIN, MEDIUM, NONE, OBJECT_ENTRY, OBJECTS, OPTIONAL, PARAMETERS, PART, Slots, qualified,
 };
 use super::stage::Stage;
 use std::cell::RefCell;
@@ -34,6 +36,13 @@ const STACKS: [(&str, &str, &str, &str); 2] = [
         "    return density;\n",
     ),
 ];
+
+/// Beginning of a stack of warps of varying strength, which is that of the place before all of them.
+const START_VARYING: &str = "    float part = effect_amount(x);\n    if (part <= 0.0) return;\n    \
+     vec3 slope = amount_slope(x) * jacobian, before;\n    mat3 bent;\n";
+/// A call of one of them.
+const VARYING_WARP: &str = "    before = x;\n    bent = jacobian;\n    MODULE(x, jacobian);\n    \
+     with_amount(before, bent, part, slope, x, jacobian);\n";
 
 /// A linker with the compiler of this process.
 pub struct Linker {
@@ -156,7 +165,7 @@ impl<'a> Sources<'a> {
             true if self.library.modules(name).is_empty() => return Err(LibraryError::Include),
             true => {
                 let own = self.slots.get(&format!("{object}.{name}")).or(self.slots.get(name));
-                fill(self.library, name, own.map(Vec::as_slice).unwrap_or_default())?
+                fill(self.library, name, own.map(Vec::as_slice).unwrap_or_default(), self.slots.contains_key(AMOUNT))?
             }
             false => match self.library.source(name.split('#').next().unwrap_or_default()) {
                 Some(text) if name == PART && object.is_empty() => {
@@ -195,8 +204,8 @@ fn with_constants(text: &str, zero: &[String]) -> String {
     text
 }
 
-/// Name and text of the content of a slot.
-fn fill(library: &Library, slot: &str, names: &[String]) -> Result<(String, String), LibraryError> {
+/// Name and text of the content of a slot; `varies`: whether warps and DMFs are not of the same strength everywhere.
+fn fill(library: &Library, slot: &str, names: &[String], varies: bool) -> Result<(String, String), LibraryError> {
     if slot == MEDIUM && names.len() > 1 {
         return media(library, names);
     }
@@ -206,7 +215,7 @@ fn fill(library: &Library, slot: &str, names: &[String]) -> Result<(String, Stri
         let text = library.text(&path).into_owned();
         return Ok((path, text));
     };
-    let mut glue = String::new();
+    let mut glue = String::from(if varies { "#include <amount>\n" } else { "" });
     let files = library.files(slot, names)?;
     for file in &files {
         glue += &format!("#include \"{file}\"\n");
@@ -227,6 +236,15 @@ fn fill(library: &Library, slot: &str, names: &[String]) -> Result<(String, Stri
         // of 1 has no effect, not even a rounding.
         let bare = if width.is_some() { "s.density >= 1.0 ? density : 0.0" } else { "density" };
         match mask.as_deref().map(self::function) {
+            None if varies && slot == "warp" => *calls += &VARYING_WARP.replace("MODULE", &function),
+            mask if varies => {
+                let cover = mask.map_or(String::new(), |mask| format!(" * {mask}(s)"));
+                *calls += &format!(
+                    "    {{ float grown = density, cover = effect_amount(s.x){cover};\n      \
+                 if (cover > 0.0) grown = {function}(density, s);\n      \
+                 density = with_amount({bare}, grown, cover); }}\n"
+                )
+            }
             None => calls.push_str(&call.replace("MODULE", &function)),
             Some(mask) => {
                 *calls += &format!(
@@ -236,8 +254,9 @@ fn fill(library: &Library, slot: &str, names: &[String]) -> Result<(String, Stri
             }
         }
     }
+    let start = if varies && slot == "warp" && !names.is_empty() { START_VARYING } else { "" };
     match layers.as_slice() {
-        [(_, calls)] => glue += &format!("{signature} {{\n{calls}{end}}}\n"),
+        [(_, calls)] => glue += &format!("{signature} {{\n{start}{calls}{end}}}\n"),
         layers => layered(&mut glue, signature, layers),
     }
     Ok((format!("stack of {slot}"), glue))
@@ -381,7 +400,7 @@ mod tests {
     #[test]
     fn a_stack_calls_its_modules_in_order() {
         let (name, glue) =
-            fill(&library("").with_module("dmf", "two", ""), "dmf", &["one", "two"].map(String::from)).unwrap();
+            fill(&library("").with_module("dmf", "two", ""), "dmf", &["one", "two"].map(String::from), false).unwrap();
         assert_eq!(name, "stack of dmf");
         let one = glue.find("density = one(density, s)").unwrap();
         assert!(one < glue.find("density = two(density, s)").unwrap());

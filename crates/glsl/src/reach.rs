@@ -90,6 +90,13 @@ impl Sides {
         Sides { round: self.round + other.round, low: add(self.low, other.low), high: add(self.high, other.high) }
     }
 
+    /// The reach of as many times the effect.
+    #[must_use]
+    pub fn times(self, strength: f32) -> Sides {
+        let all = |sides: [f32; 3]| sides.map(|side| strength * side);
+        Sides { round: strength * self.round, low: all(self.low), high: all(self.high) }
+    }
+
     /// The reach in opposite directions.
     #[must_use]
     pub fn mirrored(self) -> Sides {

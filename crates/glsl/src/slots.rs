@@ -24,10 +24,12 @@ pub const PART: &str = "part.glsl";
 pub const MASK: &str = "mask";
 /// Slot of the groom.
 pub const GROOM: &str = "groom";
+/// Slot of the strength of warps and DMFs.
+pub const AMOUNT: &str = "amount";
 /// Slot of the wind.
 pub const WIND: &str = "wind";
 /// Slots that a choice may leave out; they then have the module [`NONE`], which adds no line to a program.
-pub(crate) const OPTIONAL: [&str; 2] = [GROOM, WIND];
+pub(crate) const OPTIONAL: [&str; 3] = [GROOM, AMOUNT, WIND];
 /// Module of an optional slot without effect.
 pub const NONE: &str = "none";
 /// Slot that colors soft matter.

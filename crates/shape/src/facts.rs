@@ -84,10 +84,10 @@ impl Facts {
     pub fn of_groom(groom: &Groom) -> Facts {
         let (side, all) = (groom.side(), groom.voxels());
         let painted = (0..all).filter(|index| groom.at(*index) != Groom::NEUTRAL).count();
-        let mut ends = [[f32::INFINITY, f32::NEG_INFINITY]; 4];
+        let mut ends = [[f32::INFINITY, f32::NEG_INFINITY]; 5];
         for index in 0..all {
             for (channel, value) in groom.at(index).into_iter().enumerate() {
-                let own = &mut ends[[0, 1, 2, 2, 2, 3, 3, 3][channel]];
+                let own = &mut ends[[0, 1, 2, 2, 2, 3, 3, 3, 4][channel]];
                 *own = [own[0].min(value), own[1].max(value)];
             }
         }
@@ -97,11 +97,14 @@ impl Facts {
             fact("voxels", format!("{side} x {side} x {side}"), [side; 3]),
             fact("painted", format!("{} % of the voxels", 100 * painted / all), painted as f64 / all as f64),
         ];
-        let channels = ["length", "density", "color", "direction"].into_iter().zip(ends);
+        let channels = ["length", "density", "color", "direction", "amount"].into_iter().zip(ends);
         lines.extend(channels.map(|(name, [low, high])| {
             fact(name, format!("{} to {}", short(low.into()), short(high.into())), [low, high])
         }));
-        lines.extend(groom.odd_lengths().map(|note| fact("notes", note.clone(), [note])));
+        let notes = groom.odd_values();
+        if !notes.is_empty() {
+            lines.push(fact("notes", notes.join("; "), &notes));
+        }
         Facts { lines, ..Facts::default() }
     }
 }

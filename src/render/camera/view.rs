@@ -72,6 +72,8 @@ pub(crate) struct ObjectView {
     pub(crate) spread: Spread,
     /// Half size of the unwarped soft region, own space.
     half_size: Vec3,
+    /// Heights up to which nothing and from which all of the effect is there, own space; 0 without a kept base.
+    pub(crate) base: [f32; 2],
     /// Sphere around the object without its soft region, object space of the scene.
     center: Vec3,
     radius: f32,
@@ -89,7 +91,7 @@ impl ObjectView {
         // The radius is that of samples inside: the surface is at most a voxel farther out, plus rounding.
         let voxel = subject.field.as_ref().map_or(0.0, |field| field.grid.spacing.length() * subject.scale);
         let radius = 1.0001 * (subject.radius + voxel + outer_iso.max(0.0));
-        let spread = parameters.spread(radius);
+        let spread = parameters.spread(radius, subject.strength());
         ObjectView {
             name: name.into(),
             place: place.matrix(),
@@ -100,6 +102,7 @@ impl ObjectView {
             own_radius: radius + spread.grows.farthest(),
             spread,
             half_size,
+            base: base(scene.effect.keep_base, subject.half_size.y),
             center: Vec3::from(place.at),
             radius: place.scale * subject.radius,
             soft: place.scale * outer_iso.max(0.0),
@@ -119,6 +122,14 @@ impl ObjectView {
     fn farthest(&self, from: Vec3) -> f32 {
         self.center.distance(from) + self.scale * self.own_radius
     }
+}
+
+/// Part of the height of a kept base over which the effect sets in above it.
+const BASE_FADE: f32 = 0.25;
+
+/// Heights between which the effect sets in, of an object from -half to half.
+fn base(kept: f32, half: f32) -> [f32; 2] {
+    if kept > 0.0 { [kept - half, (1.0 + BASE_FADE) * kept - half] } else { [0.0; 2] }
 }
 
 /// Evaluates the boolean formula of a scene over a bound `of` each object; `both` combines bounds for an intersection,

@@ -52,7 +52,7 @@ pub fn unused_overrides(library: &Library, subject: &Subject, base: &Scene, scen
         return Vec::new();
     }
     comparer.plain_groom =
-        scene.groom.clone().filter(|_| subject.groom.as_ref().is_some_and(|groom| !groom.has_look()));
+        scene.groom.clone().filter(|_| subject.groom.as_ref().is_some_and(|groom| !groom.has_factors()));
     let Ok(own) = comparer.fingerprint(&variant) else { return Vec::new() };
     let changes_nothing = |(name, _): &&(String, String)| {
         let mut without = scene.clone();
@@ -144,7 +144,7 @@ fn others(library: &Library, setting: &Setting, value: &str) -> Vec<String> {
 struct PictureComparer<'a> {
     library: &'a Library,
     subject: &'a Subject,
-    /// The groom of the scene, if its colors and densities are not painted.
+    /// The groom of the scene, if its colors, densities and amounts are not painted.
     plain_groom: Option<String>,
     programs: HashMap<(String, u32), Rc<Read>>,
     /// By all that determines a shape: its input, its grid, and whether its values are distances.
@@ -206,7 +206,7 @@ impl<'a> PictureComparer<'a> {
         Ok((shape, recipe))
     }
 
-    /// The variant without a plain groom, if its program reads colors and densities alone: they are factors of 1.
+    /// The variant without a plain groom, if its program reads colors, densities and amounts alone: they are factors of 1.
     fn without_plain_groom(&mut self, variant: &Variant) -> Result<Variant, RenderError> {
         let scene = &variant.scene;
         // Weights of the shader need not have the sum 1.
@@ -218,7 +218,7 @@ impl<'a> PictureComparer<'a> {
         let images = read.fingerprint.iter().flat_map(|(_, own)| &own.images);
         let images: Vec<u32> = images.map(|(image, _)| *image).collect();
         let reads = |image: GroomImage| read.program.image(image).is_some_and(|own| images.contains(&own));
-        if reads(GroomImage::Look) && !reads(GroomImage::Shape) {
+        if (reads(GroomImage::Look) || reads(GroomImage::Amount)) && !reads(GroomImage::Shape) {
             Ok(Variant::of(&Scene { groom: None, ..scene.clone() }, self.library)?)
         } else {
             Ok(variant.clone())

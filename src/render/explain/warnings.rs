@@ -28,6 +28,7 @@ pub fn warnings(m: &Measurements, variant: &Variant, subject: &Subject, library:
     let all = [
         is_soft.then(|| no_width(scene, outer)).flatten(),
         is_soft.then(|| no_core(scene, outer, subject)).flatten(),
+        all_kept(scene, subject),
         lost_in_target(m, scene),
         not_computed(m, variant, library),
         m.replaced.clone(),
@@ -99,6 +100,16 @@ fn no_core(scene: &Scene, outer: f32, subject: &Subject) -> Option<String> {
     (densest < CORE).then(|| {
         format!(
             "no place lies as deep as object.inner_iso = {inner}, the deepest at {deepest:.3}: the density is {densest:.2} at most"
+        )
+    })
+}
+
+/// The kept base is as high as the object.
+fn all_kept(scene: &Scene, subject: &Subject) -> Option<String> {
+    let (kept, height) = (scene.effect.keep_base, 2.0 * subject.half_size.y);
+    (kept >= height).then(|| {
+        format!(
+            "effect.keep_base = {kept} is the whole height of the object, {height:.3}: warps and DMFs do nothing on it"
         )
     })
 }

@@ -196,8 +196,8 @@ impl BoundInputs {
         groom: &Groom,
         has_cells: bool,
     ) -> Result<(), RenderError> {
-        let both = [GroomImage::Shape, GroomImage::Look];
-        for input in both.into_iter().filter(|input| program.reads_image(*input)) {
+        let all = [GroomImage::Shape, GroomImage::Look, GroomImage::Amount];
+        for input in all.into_iter().filter(|input| program.reads_image(*input)) {
             let own = groom_image(groom, input);
             let image = self.uploads.image(gpu, input.label(), own.dimension, own.format, &own.bytes)?;
             self.replace(program, input, image);

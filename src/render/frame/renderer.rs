@@ -121,7 +121,11 @@ impl Renderer {
         if is_same && (stroke || !self.is_stroke) {
             return Ok(());
         }
+        let strength = self.subject.strength();
         (self.subject.groom, self.is_stroke) = (groom.clone(), stroke);
+        if self.subject.strength() != strength {
+            self.prepared.clear(); // matter reaches as far as it is moved
+        }
         self.prepared.iter_mut().for_each(Prepared::forget_recorded);
         let Some(groom) = groom else { return Ok(()) };
         self.prepared.iter_mut().filter(|own| own.variant.scene.groom.is_some()).try_for_each(|own| {

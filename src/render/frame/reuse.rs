@@ -26,7 +26,7 @@ impl Prepared {
         let same_reach = || {
             let [wanted, own] = [variant, &self.variant].map(|variant| {
                 let all = [&variant.parameters].into_iter().chain(variant.parts.values());
-                all.map(|parameters| (parameters.outer_iso(), parameters.spread(1.0)))
+                all.map(|parameters| (parameters.outer_iso(), parameters.spread(1.0, 1.0)))
             });
             wanted.eq(own)
         };

@@ -267,13 +267,13 @@ fn object_image(
 
 /// Encodes an image of a groom.
 pub(crate) fn groom_image(groom: &Groom, image: GroomImage) -> Encoded {
-    let channels = match image {
-        GroomImage::Shape => [5, 6, 7, 0],
-        GroomImage::Look => [2, 3, 4, 1],
+    let (format, bytes) = match image {
+        GroomImage::Shape => (Format::Rgba16Float, groom.texels([5, 6, 7, 0])),
+        GroomImage::Look => (Format::Rgba16Float, groom.texels([2, 3, 4, 1])),
+        GroomImage::Amount => (Format::R32Float, groom.amounts()),
     };
-    let (side, bytes) = (groom.side(), groom.texels(channels));
-    let dimension = Dimension::Volume(side, side, side);
-    Encoded { image: image.into(), dimension, format: Format::Rgba16Float, bytes }
+    let side = groom.side();
+    Encoded { image: image.into(), dimension: Dimension::Volume(side, side, side), format, bytes }
 }
 
 /// Index of an object.

@@ -5,7 +5,7 @@ use super::object_inputs::ObjectInputs;
 use crate::render::camera::{FrameContext, SubFrame, View, slant};
 use crate::render::error::RenderError;
 use crate::render::texture::transfer_texel;
-use crate::render::variant::{Blocks, Program, Use, Variant};
+use crate::render::variant::{Blocks, Program, Use};
 use crate::scene::{Integration, Jitter, ParameterValue};
 use crate::shader::suffixed;
 use std::collections::HashMap;
@@ -75,7 +75,7 @@ pub(crate) fn values(frame: &FrameContext, items: &[ObjectInputs<'_>], time: f64
     set("translucency", &[scene.light.translucency]);
     set("scatter", &[scene.light.scatter]);
     set("sample_reach", &[reach]);
-    set("steepness", &[steepness(variant)]);
+    set("steepness", &[steepness(frame)]);
     set("box_margin", &[reach + shift]);
     set("ray_scale", &[view.ray_scale[0], view.ray_scale[1], 0.0, 0.0]);
     let [noise_cells, turbulence_cells, channel_cells] = scene.block_cells().map(|cells| cells as f32);
@@ -104,8 +104,8 @@ fn set_object(item: &ObjectInputs<'_>, view: &View, set: &mut dyn FnMut(&str, &[
     set("place_matrix", &own.place.inverse().to_cols_array());
     set("place_scale", &[own.scale]);
     set("own_radius", &[own.own_radius]);
-    set("own_min", &own.own_min.extend(0.0).to_array());
-    set("own_max", &own.own_max.extend(0.0).to_array());
+    set("own_min", &own.own_min.extend(own.base[0]).to_array());
+    set("own_max", &own.own_max.extend(own.base[1]).to_array());
 
     // Texel-center mapping: sample i of n lies at texture coordinate (i + 0.5) / n.
     let (scale, offset, texel) = match &subject.field {
@@ -159,11 +159,11 @@ fn sample_reach(frame: &FrameContext) -> f32 {
 
 /// Distance to the matter within which a point sample searches along its ray, object units.
 pub(crate) fn search_distance(frame: &FrameContext) -> f32 {
-    steepness(&frame.variant) * sample_reach(frame)
+    steepness(frame) * sample_reach(frame)
 }
 
-fn steepness(variant: &Variant) -> f32 {
-    if variant.has_warps() { WARPED_LIPSCHITZ } else { 1.0 }
+fn steepness(frame: &FrameContext) -> f32 {
+    if frame.variant.has_warps() { WARPED_LIPSCHITZ * frame.subject.strength() } else { 1.0 }
 }
 
 /// Longest step along a ray, object units.

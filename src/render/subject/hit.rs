@@ -20,10 +20,24 @@ impl Subject {
         }
     }
 
+    /// A function of the unit normal of the surface nearest to a place, object space, from differences over a voxel to each
+    /// side; up where they vanish. `None` for a custom formula.
+    pub fn normal(&self) -> Option<impl Fn(Vec3) -> Vec3 + '_> {
+        let (distance, voxel) = (self.distance()?, self.voxel());
+        Some(move |x| {
+            let slope = |axis: Vec3| distance(x + voxel * axis) - distance(x - voxel * axis);
+            Vec3::new(slope(Vec3::X), slope(Vec3::Y), slope(Vec3::Z)).normalize_or(Vec3::Y)
+        })
+    }
+
+    fn voxel(&self) -> f32 {
+        self.field.as_ref().map_or(1e-3, |field| field.grid.spacing.max_element() * self.scale)
+    }
+
     /// Place and unit normal of the surface that a ray meets first: from a place in a unit direction of object space.
     pub fn hit(&self, from: Vec3, along: Vec3) -> Option<(Vec3, Vec3)> {
         let (distance, reach) = (self.distance()?, 1.05 * self.radius + 0.01);
-        let voxel = self.field.as_ref().map_or(1e-3, |field| field.grid.spacing.max_element() * self.scale);
+        let voxel = self.voxel();
         // The part of the ray within the ball around the object.
         let middle = -from.dot(along);
         let half = reach * reach - (from + middle * along).length_squared();

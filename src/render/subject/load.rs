@@ -219,6 +219,11 @@ impl Subject {
         })
     }
 
+    /// Largest strength of warps and DMFs that is painted, at least 1.
+    pub(crate) fn strength(&self) -> f32 {
+        self.groom.as_ref().map_or(1.0, |groom| groom.strongest().max(1.0))
+    }
+
     /// From object space to the world of its shape.
     pub fn world(&self) -> Mat4 {
         Mat4::from_translation(self.center) * Mat4::from_scale(Vec3::splat(1.0 / self.scale))
@@ -237,7 +242,7 @@ fn groom(file: &str, object: &str) -> Result<Arc<Groom>, RenderError> {
     if name(&groom.object) != name(object) {
         log::warn!("groom {file}: it was painted on {}; it is read at the same places of {object}", groom.object);
     }
-    if let Some(line) = groom.odd_lengths() {
+    for line in groom.odd_values() {
         log::warn!("groom {file}: {line}");
     }
     Ok(Arc::new(groom))

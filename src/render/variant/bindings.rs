@@ -105,6 +105,8 @@ images! {
         Shape = "groom_shape_image", "groom";
         /// Color and density.
         Look = "groom_look_image", "groom";
+        /// Strength of warps and DMFs.
+        Amount = "groom_amount_image", "groom";
     }
 }
 

@@ -191,8 +191,13 @@ impl Scene {
     }
 
     fn check_groom(&self) -> Result<(), SceneError> {
+        let parts = self.parts.values().map(|part| part.effect.keep_base);
+        let kept = parts.fold(self.effect.keep_base, f32::max);
         match &self.groom {
             Some(file) if self.has_several() => Err(SceneError::value("groom", file, "needs a scene of one object")),
+            _ if self.has_several() && kept > 0.0 => {
+                Err(SceneError::value("effect.keep_base", kept.to_string(), "needs a scene of one object"))
+            }
             _ if self.has_several() && self.effect.wind != NONE => {
                 Err(SceneError::value("effect.wind", &self.effect.wind, "needs a scene of one object"))
             }

@@ -3,7 +3,7 @@
 use super::header::header;
 use crate::scene::{Curve, EmptySpace, Integration, LightMethod, Pass, RayPath, Scene, Storage, TargetFormat};
 use crate::shader::file::{Include, include};
-use crate::shader::slots::{GROOM, NONE, WIND};
+use crate::shader::slots::{AMOUNT, GROOM, NONE, WIND};
 use crate::shader::{Library, Slots, tokens};
 use std::collections::BTreeSet;
 
@@ -113,6 +113,15 @@ impl Scene {
         }
         if self.groom.is_some() {
             slots.insert(GROOM.into(), vec!["volume".into()]);
+        }
+        let amount = match (self.groom.is_some(), effect.keep_base > 0.0) {
+            (true, false) => Some("painted"),
+            (false, true) => Some("base"),
+            (true, true) => Some("both"),
+            (false, false) => None,
+        };
+        if let Some(module) = amount.filter(|_| !(effect.warp.is_empty() && effect.dmf.is_empty())) {
+            slots.insert(AMOUNT.into(), vec![module.into()]);
         }
         if self.has_several() {
             self.fill_parts(library, &mut slots);

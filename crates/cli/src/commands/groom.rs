@@ -7,10 +7,11 @@ use clap::Args;
 use hypertexture::field::Progress;
 use hypertexture::glam::Vec3;
 use hypertexture::output;
-use hypertexture::render::{Channel, Subject, fill_channel};
-use hypertexture::scene::Scene;
+use hypertexture::render::{Channel, Subject, fade_flat, fill_channel};
+use hypertexture::scene::{Scene, linear_to_srgb};
 use hypertexture::shape::{Groom, Opened, Shape};
 use hypertexture_support::{significant, write_whole_by};
+use std::cell::OnceCell;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
@@ -40,6 +41,16 @@ pub(crate) struct GroomArguments {
     /// Tangent along which strands are combed, -1 to 1 along each axis.
     #[arg(long, value_name = "EXPRESSION", allow_hyphen_values = true)]
     pub direction: Option<String>,
+    /// Amount of warps and DMFs: 0 is none of the effect, 1 all, 2 twice.
+    ///
+    /// Such as "z < 0.2 ? 0.0 : 1.0", a volume, or a mesh with colors, of which red (sRGB, 0 to 1) is the amount.
+    #[arg(long, value_name = "EXPRESSION", allow_hyphen_values = true)]
+    pub amount: Option<String>,
+    /// No effect on what lies flat: within these degrees of facing up or down, 0 to 90.
+    ///
+    /// Multiplies the amount, by 0 there and by factors that rise to 1 over the next 15 degrees.
+    #[arg(long, value_name = "DEGREES")]
+    pub amount_by_angle: Option<f32>,
     /// Voxels along a side, 32 to 256.
     ///
     /// [default: 96, or those of the scene's groom]
@@ -55,6 +66,9 @@ pub(crate) fn run(command: &GroomArguments, quiet: bool) -> Result<(), Box<dyn E
     let path = &command.output;
     if !path.extension().is_some_and(|end| end.eq_ignore_ascii_case("nrrd")) {
         return Err(format!("--output {}: end the name in .nrrd", path.display()).into());
+    }
+    if let Some(degrees) = command.amount_by_angle.filter(|degrees| !(0.0..=90.0).contains(degrees)) {
+        return Err(format!("--amount-by-angle {degrees}: must be from 0 to 90 degrees").into());
     }
     let scene = SceneArguments::default().scene(&command.input, &command.object)?;
     // A groom that is changed may be written over itself.
@@ -75,29 +89,38 @@ pub(crate) fn run(command: &GroomArguments, quiet: bool) -> Result<(), Box<dyn E
             Groom::unpainted(&scene.object.input, side)
         }
     };
-    let (program, texts) =
-        (std::env::current_exe()?, [&command.length, &command.density, &command.color, &command.direction]);
-    let (mut subject, mut notes) = (None, Vec::new());
+    let (program, texts) = (
+        std::env::current_exe()?,
+        [&command.length, &command.density, &command.color, &command.direction, &command.amount],
+    );
+    let (mut notes, loaded) = (Vec::new(), OnceCell::new());
+    let subject = || -> Result<&Subject, Box<dyn Error>> {
+        if let Some(subject) = loaded.get() {
+            return Ok(subject);
+        }
+        let (variant, library) = checked(&bare)?;
+        let load = |progress: Progress<'_>| Subject::load(&variant, &library, progress);
+        let subject = with_progress(quiet, "distance field", load)?;
+        Ok(loaded.get_or_init(|| subject))
+    };
     for (channel, text) in Channel::ALL.into_iter().zip(texts) {
         let Some(text) = text else { continue };
         let found = if Path::new(text).is_file() {
-            let subject = match &subject {
-                Some(subject) => subject,
-                None => {
-                    let bare = Scene { groom: None, ..scene.clone() };
-                    let (variant, library) = checked(&bare)?;
-                    let load = |progress: Progress<'_>| Subject::load(&variant, &library, progress);
-                    subject.insert(with_progress(quiet, "distance field", load)?)
-                }
-            };
-            fill_from_file(&mut groom, channel, text, subject, &scene)?
+            fill_from_file(&mut groom, channel, text, subject()?, &scene)?
         } else {
             fill_channel(&program, &mut groom, channel, text)
                 .map_err(|error| format!("--{}: {error}", channel.name()))?
         };
         notes.extend(cut(channel, found));
     }
-    notes.extend(groom.odd_lengths());
+    if let Some(degrees) = command.amount_by_angle
+        && !fade_flat(&mut groom, subject()?, degrees)
+    {
+        return Err(
+            format!("--amount-by-angle {degrees}: a custom formula has no normals here; paint by --amount").into()
+        );
+    }
+    notes.extend(groom.odd_values());
     write_whole_by(path, |file| groom.write(file))
         .map_err(|error| format!("{}: {error}; nothing was written", path.display()))?;
     if !quiet {
@@ -126,7 +149,8 @@ fn cut(channel: Channel, found: [f64; 2]) -> Option<String> {
 /// Voxels around painted points that get their color: more than filters read.
 const COLOR_MARGIN: u32 = 4;
 
-/// Fills a channel from a file in the axes and units of the object: length and density from a volume, color from a mesh.
+/// Fills a channel from a file in the axes and units of the object: color from a mesh, length and density from a volume, the
+/// amount from either.
 /// Returns the least and the greatest value where skin may be.
 fn fill_from_file(
     groom: &mut Groom,
@@ -136,23 +160,34 @@ fn fill_from_file(
     scene: &Scene,
 ) -> Result<[f64; 2], Box<dyn Error>> {
     let (up, flag, (first, _)) = (scene.object.up, channel.name(), channel.place());
-    let mut opened = if channel == Channel::Color { Opened::with_paint(file, None)? } else { Opened::of(file)? };
+    let mut opened = if matches!(channel, Channel::Color | Channel::Amount) {
+        Opened::with_paint(file, None)?
+    } else {
+        Opened::of(file)?
+    };
     if file == scene.object.input && !opened.notes.is_empty() {
         let said = Opened::of(file)?.notes;
         opened.notes.retain(|note| !said.contains(note));
     }
     match (channel, opened.warned(file)) {
-        (Channel::Color, Shape::Mesh(mesh)) if mesh.is_colored() => {
+        (Channel::Color | Channel::Amount, Shape::Mesh(mesh)) if mesh.is_colored() => {
             let moved = mesh.offset - subject.offset;
             let place = |p: Vec3| (up.turned(p.as_dvec3() + moved).as_vec3() - subject.center) * subject.scale;
             // Textures vary within a voxel.
             let spacing = if mesh.paint.is_textured() { 0.25 } else { 0.5 } * groom.step() / subject.scale;
             let points = mesh.colored_points(spacing).map(|(point, color)| (place(point), color));
-            groom.color(points, COLOR_MARGIN);
+            if channel == Channel::Color {
+                groom.color(points, COLOR_MARGIN);
+            } else {
+                let red = |(point, color): (Vec3, [f32; 3])| (point, [linear_to_srgb(color[0]); 3]);
+                groom.weight(points.map(red), COLOR_MARGIN);
+            }
             Ok(Groom::limits(first).map(f64::from))
         }
-        (Channel::Color, _) => Err(format!("--{flag} {file}: the mesh has no vertex colors or materials").into()),
-        (Channel::Length | Channel::Density, Shape::Volume(volume)) => {
+        (Channel::Color, _) | (Channel::Amount, Shape::Mesh(_)) => {
+            Err(format!("--{flag} {file}: the mesh has no vertex colors or materials").into())
+        }
+        (Channel::Length | Channel::Density | Channel::Amount, Shape::Volume(volume)) => {
             let mut found = [f64::INFINITY, f64::NEG_INFINITY];
             for index in 0..groom.voxels() {
                 let place = subject.center + groom.place(index) / subject.scale;

@@ -169,7 +169,7 @@ fn floor_of(effect: &Scene, library: &Library, module: &str) -> Result<Scene, Sc
     let mut scene = effect.clone();
     scene.effect.classify = module.into();
     scene.object.outer_iso = parameters.outer_iso().unwrap_or(effect.object.outer_iso);
-    let reach = ParameterValue::Number(parameters.spread(1.0).grows.farthest());
+    let reach = ParameterValue::Number(parameters.spread(1.0, 1.0).grows.farthest());
     scene.parameters = [("floor_reach".to_string(), reach)].into();
     Ok(scene)
 }

@@ -32,6 +32,10 @@ pub enum BrushKind {
     Thin,
     /// Raises the density.
     Thicken,
+    /// Weakens warps and DMFs.
+    Weaken,
+    /// Strengthens warps and DMFs.
+    Strengthen,
     /// Colors.
     Color,
     /// Evens out all channels.
@@ -42,12 +46,14 @@ pub enum BrushKind {
 
 impl BrushKind {
     /// All kinds with name and description.
-    pub const ALL: [(BrushKind, &str, &str); 8] = [
+    pub const ALL: [(BrushKind, &str, &str); 10] = [
         (BrushKind::Comb, "comb", "Lays strands along the motion of the pointer."),
         (BrushKind::Cut, "cut", "Shortens."),
         (BrushKind::Grow, "grow", "Lengthens, up to twice the length of the effect, within its soft region."),
         (BrushKind::Thin, "thin", "Lowers the density."),
         (BrushKind::Thicken, "thicken", "Raises the density."),
+        (BrushKind::Weaken, "weaken", "Lowers the amount of the effect, down to none."),
+        (BrushKind::Strengthen, "strengthen", "Raises the amount of the effect, up to twice."),
         (BrushKind::Color, "color", "Colors."),
         (BrushKind::Smooth, "smooth", "Evens out what is painted."),
         (BrushKind::Erase, "erase", "Removes what is painted."),
@@ -80,11 +86,13 @@ impl Brush {
             let mut wanted = own;
             match self.kind {
                 BrushKind::Comb if tangent == Vec3::ZERO => continue,
-                BrushKind::Comb => wanted[5..].copy_from_slice(&tangent.to_array()),
+                BrushKind::Comb => wanted[5..8].copy_from_slice(&tangent.to_array()),
                 BrushKind::Cut => wanted[0] = 0.0,
                 BrushKind::Grow => wanted[0] = 2.0,
                 BrushKind::Thin => wanted[1] = 0.0,
                 BrushKind::Thicken => wanted[1] = 2.0,
+                BrushKind::Weaken => wanted[8] = 0.0,
+                BrushKind::Strengthen => wanted[8] = 2.0,
                 BrushKind::Color => wanted[2..5].copy_from_slice(&self.color.map(|channel| 2.0 * channel)),
                 BrushKind::Smooth | BrushKind::Erase => wanted = mean,
             }
@@ -93,8 +101,8 @@ impl Brush {
     }
 
     /// Weighted mean of the channels.
-    fn mean(&self, groom: &Groom, at: Vec3, voxels: &[usize]) -> [f32; 8] {
-        let (mut sum, mut all) = ([0.0; 8], 1e-12);
+    fn mean(&self, groom: &Groom, at: Vec3, voxels: &[usize]) -> [f32; 9] {
+        let (mut sum, mut all) = ([0.0; 9], 1e-12);
         for index in voxels {
             let weight = Brush::fall_off(groom.place(*index).distance(at) / self.radius);
             groom.at(*index).into_iter().zip(&mut sum).for_each(|(channel, sum)| *sum += weight * channel);
@@ -108,7 +116,7 @@ impl Brush {
 mod tests {
     use super::*;
 
-    fn painted(kind: BrushKind, mirrored: bool, before: [f32; 8]) -> Groom {
+    fn painted(kind: BrushKind, mirrored: bool, before: [f32; 9]) -> Groom {
         let mut groom = Groom::unpainted("sphere", 32);
         (0..groom.voxels()).for_each(|index| groom.set(index, before));
         let brush = Brush { kind, radius: 0.4, strength: 0.5, color: [1.0, 0.25, 0.0], mirrored };
@@ -118,14 +126,16 @@ mod tests {
 
     #[test]
     fn a_touch_changes_channels_by_its_fall_off_within_a_radius() {
-        let before = [0.5, 1.5, 0.75, 1.0, 1.25, 0.25, 0.0, -0.5];
-        let wanted: [(BrushKind, [f32; 8]); 7] = [
-            (BrushKind::Comb, [0.5, 1.5, 0.75, 1.0, 1.25, 0.0, 0.0, 1.0]),
-            (BrushKind::Cut, [0.0, 1.5, 0.75, 1.0, 1.25, 0.25, 0.0, -0.5]),
-            (BrushKind::Grow, [2.0, 1.5, 0.75, 1.0, 1.25, 0.25, 0.0, -0.5]),
-            (BrushKind::Thin, [0.5, 0.0, 0.75, 1.0, 1.25, 0.25, 0.0, -0.5]),
-            (BrushKind::Thicken, [0.5, 2.0, 0.75, 1.0, 1.25, 0.25, 0.0, -0.5]),
-            (BrushKind::Color, [0.5, 1.5, 2.0, 0.5, 0.0, 0.25, 0.0, -0.5]),
+        let before = [0.5, 1.5, 0.75, 1.0, 1.25, 0.25, 0.0, -0.5, 0.5];
+        let wanted: [(BrushKind, [f32; 9]); 9] = [
+            (BrushKind::Comb, [0.5, 1.5, 0.75, 1.0, 1.25, 0.0, 0.0, 1.0, 0.5]),
+            (BrushKind::Cut, [0.0, 1.5, 0.75, 1.0, 1.25, 0.25, 0.0, -0.5, 0.5]),
+            (BrushKind::Grow, [2.0, 1.5, 0.75, 1.0, 1.25, 0.25, 0.0, -0.5, 0.5]),
+            (BrushKind::Thin, [0.5, 0.0, 0.75, 1.0, 1.25, 0.25, 0.0, -0.5, 0.5]),
+            (BrushKind::Thicken, [0.5, 2.0, 0.75, 1.0, 1.25, 0.25, 0.0, -0.5, 0.5]),
+            (BrushKind::Color, [0.5, 1.5, 2.0, 0.5, 0.0, 0.25, 0.0, -0.5, 0.5]),
+            (BrushKind::Weaken, [0.5, 1.5, 0.75, 1.0, 1.25, 0.25, 0.0, -0.5, 0.0]),
+            (BrushKind::Strengthen, [0.5, 1.5, 0.75, 1.0, 1.25, 0.25, 0.0, -0.5, 2.0]),
             (BrushKind::Erase, Groom::NEUTRAL),
         ];
         for (kind, wanted) in wanted {
@@ -133,7 +143,7 @@ mod tests {
             for index in 0..groom.voxels() {
                 let part = groom.place(index).distance(Vec3::new(0.6, 0.8, 0.0)) / 0.4;
                 let weight = if part < 1.0 { 0.5 * (1.0 - part * part).powi(2) } else { 0.0 };
-                for channel in 0..8 {
+                for channel in 0..9 {
                     let expected = before[channel] + weight * (wanted[channel] - before[channel]);
                     let found = groom.at(index)[channel];
                     assert!((found - expected).abs() < 2e-3, "{kind:?} {channel}: {found}, not {expected}");

@@ -23,8 +23,10 @@ const REACH: f32 = 1.125;
 /// Codes of a file in one unit of a channel.
 const UNIT: f32 = 16000.0;
 /// Largest file, bytes: all voxels without compression.
-const MAX_BYTES: u64 = 16 * 256 * 256 * 256 + (1 << 16);
+const MAX_BYTES: u64 = 18 * 256 * 256 * 256 + (1 << 16);
 const KEY: &str = "hypertexture groom";
+/// Index of the channel of the amount, which files of eight channels lack.
+const AMOUNT: usize = 8;
 
 /// A volume of painted channels over an object.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,21 +34,23 @@ pub struct Groom {
     /// The object that it was painted on.
     pub object: String,
     side: u32,
-    voxels: Vec<[f16; 8]>,
+    voxels: Vec<[f16; 9]>,
+    /// Largest amount so far.
+    strongest: f32,
 }
 
 impl Groom {
     /// Names of the channels.
-    pub const CHANNELS: [&str; 8] = ["length", "density", "red", "green", "blue", "x", "y", "z"];
+    pub const CHANNELS: [&str; 9] = ["length", "density", "red", "green", "blue", "x", "y", "z", "amount"];
     /// Values of the channels where nothing is painted.
-    pub const NEUTRAL: [f32; 8] = [1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0];
+    pub const NEUTRAL: [f32; 9] = [1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0];
     /// Voxels along a side.
     pub const SIDES: RangeInclusive<u32> = 32..=256;
 
     /// A groom in which nothing is painted.
     pub fn unpainted(object: &str, side: u32) -> Groom {
         let voxels = vec![Groom::NEUTRAL.map(f16::from_f32); (side as usize).pow(3)];
-        Groom { object: object.into(), side, voxels }
+        Groom { object: object.into(), side, voxels, strongest: 1.0 }
     }
 
     /// Voxels along a side.
@@ -84,21 +88,22 @@ impl Groom {
     }
 
     /// The channels of a voxel.
-    pub fn at(&self, index: usize) -> [f32; 8] {
+    pub fn at(&self, index: usize) -> [f32; 9] {
         self.voxels[index].map(f16::to_f32)
     }
 
     /// Least and greatest value of a channel: 0 and 2, or -1 and 1 of the direction.
     pub fn limits(channel: usize) -> [f32; 2] {
-        if channel < 5 { [0.0, 2.0] } else { [-1.0, 1.0] }
+        if (5..8).contains(&channel) { [-1.0, 1.0] } else { [0.0, 2.0] }
     }
 
     /// Sets the channels of a voxel, within their limits.
-    pub fn set(&mut self, index: usize, channels: [f32; 8]) {
+    pub fn set(&mut self, index: usize, channels: [f32; 9]) {
         for (channel, (stored, value)) in self.voxels[index].iter_mut().zip(channels).enumerate() {
             let [least, greatest] = Groom::limits(channel);
             *stored = f16::from_f32(value.clamp(least, greatest));
         }
+        self.strongest = self.strongest.max(self.voxels[index][AMOUNT].to_f32());
     }
 
     /// Whether the skin of an object, which reaches to 1, may be at a voxel.
@@ -106,13 +111,24 @@ impl Groom {
         self.place(index).abs().max_element() <= 1.0
     }
 
-    /// Whether a color or a density is painted.
-    pub fn has_look(&self) -> bool {
-        self.voxels.iter().any(|voxel| voxel[1..5].iter().any(|value| *value != f16::ONE))
+    /// Whether a color, a density or an amount is painted.
+    pub fn has_factors(&self) -> bool {
+        self.voxels.iter().any(|voxel| [1, 2, 3, 4, AMOUNT].iter().any(|channel| voxel[*channel] != f16::ONE))
     }
 
-    /// A line about lengths above 1, or of 0 everywhere, if it has such.
-    pub fn odd_lengths(&self) -> Option<String> {
+    /// Bound of the amount, at least 1: the largest since the groom was made or read.
+    pub fn strongest(&self) -> f32 {
+        self.strongest
+    }
+
+    /// Lines about lengths above 1, and about lengths or amounts of 0 everywhere, if it has such.
+    pub fn odd_values(&self) -> Vec<String> {
+        let none = self.voxels.iter().all(|voxel| voxel[AMOUNT] == f16::ZERO);
+        let none = none.then(|| "amounts are 0 everywhere: warps and DMFs do nothing".into());
+        self.odd_lengths().into_iter().chain(none).collect()
+    }
+
+    fn odd_lengths(&self) -> Option<String> {
         let longest = self.voxels.iter().map(|voxel| voxel[0].to_f32()).fold(0.0, f32::max);
         if longest == 0.0 {
             return Some("lengths are 0 everywhere: there is no hair and no flame".into());
@@ -131,9 +147,28 @@ impl Groom {
         values.flat_map(f16::to_ne_bytes).collect()
     }
 
+    /// Texels of one float for a device: the amounts.
+    pub fn amounts(&self) -> Vec<u8> {
+        self.voxels.iter().flat_map(|voxel| voxel[AMOUNT].to_f32().to_ne_bytes()).collect()
+    }
+
     /// Paints colors of the surface: the voxels that hold points of it, with their mean color, and those up to `grown` voxels
     /// away, with the mean of their painted neighbors. Points are places in object space with linear RGB.
     pub fn color(&mut self, points: impl Iterator<Item = (Vec3, [f32; 3])>, grown: u32) {
+        self.paint(points, grown, |voxel, color| voxel[2..5].copy_from_slice(&color.map(|part| 2.0 * part)));
+    }
+
+    /// Paints amounts of the surface in the same way: `points` have them in their first number.
+    pub fn weight(&mut self, points: impl Iterator<Item = (Vec3, [f32; 3])>, grown: u32) {
+        self.paint(points, grown, |voxel, [amount, ..]| voxel[AMOUNT] = amount);
+    }
+
+    fn paint(
+        &mut self,
+        points: impl Iterator<Item = (Vec3, [f32; 3])>,
+        grown: u32,
+        set: impl Fn(&mut [f32; 9], [f32; 3]),
+    ) {
         let side = self.side as usize;
         let mut sums = vec![[0.0_f32; 4]; self.voxels.len()];
         for (place, [r, g, b]) in points {
@@ -159,7 +194,7 @@ impl Groom {
         }
         for (index, [r, g, b, count]) in sums.into_iter().enumerate().filter(|(_, sum)| sum[3] > 0.0) {
             let mut voxel = self.at(index);
-            voxel[2..5].copy_from_slice(&[r, g, b].map(|sum| 2.0 * sum / count));
+            set(&mut voxel, [r, g, b].map(|sum| sum / count));
             self.set(index, voxel);
         }
     }
@@ -189,16 +224,20 @@ impl Groom {
             decoded: decoded as u64,
             reason,
         };
-        let read = GzDecoder::new(data).take(16 * count as u64 + 1).read_to_end(&mut codes);
+        let size = 2 * header.channels;
+        let read = GzDecoder::new(data).take((size * count) as u64 + 1).read_to_end(&mut codes);
         read.map_err(|reason| damaged(codes.len(), reason))?;
-        if codes.len() != 16 * count {
-            let reason = io::Error::new(io::ErrorKind::UnexpectedEof, format!("{} bytes are needed", 16 * count));
+        if codes.len() != size * count {
+            let reason = io::Error::new(io::ErrorKind::UnexpectedEof, format!("{} bytes are needed", size * count));
             return Err(damaged(codes.len(), reason));
         }
         let mut groom = Groom::unpainted(&header.object, header.side);
-        for (index, voxel) in codes.as_chunks::<16>().0.iter().enumerate() {
-            let codes: [[u8; 2]; 8] = std::array::from_fn(|channel| [voxel[2 * channel], voxel[2 * channel + 1]]);
-            groom.set(index, codes.map(|code| f32::from(i16::from_le_bytes(code)) / UNIT));
+        for (index, voxel) in codes.chunks_exact(size).enumerate() {
+            let mut channels = Groom::NEUTRAL;
+            for (channel, code) in channels.iter_mut().zip(voxel.as_chunks::<2>().0) {
+                *channel = f32::from(i16::from_le_bytes(*code)) / UNIT;
+            }
+            groom.set(index, channels);
         }
         Ok(groom)
     }
@@ -210,7 +249,7 @@ impl Groom {
     pub fn write(&self, mut to: impl Write) -> io::Result<()> {
         let (n, step) = (self.side, self.step());
         writeln!(to, "NRRD0005\n# channels {} in units of 1/{UNIT}", Groom::CHANNELS.join(", "))?;
-        writeln!(to, "type: short\ndimension: 4\nspace dimension: 3\nsizes: 8 {n} {n} {n}")?;
+        writeln!(to, "type: short\ndimension: 4\nspace dimension: 3\nsizes: 9 {n} {n} {n}")?;
         writeln!(to, "space directions: none ({step},0,0) (0,{step},0) (0,0,{step})")?;
         let origin = self.place(0).x;
         writeln!(to, "space origin: ({origin},{origin},{origin})\nkinds: vector domain domain domain")?;
@@ -228,6 +267,7 @@ impl Groom {
 struct GroomHeader {
     object: String,
     side: u32,
+    channels: usize,
     /// Its bytes.
     length: usize,
 }
@@ -248,7 +288,7 @@ impl GroomHeader {
         if !text.contains(KEY) {
             return Err(malformed(1, "a groom, which `hypertexture groom` and the window write", "another NRRD"));
         }
-        let mut found = GroomHeader { object: String::new(), side: 0, length: end + 2 };
+        let mut found = GroomHeader { object: String::new(), side: 0, channels: 0, length: end + 2 };
         for (line, (name, value)) in
             text.lines().enumerate().filter_map(|(number, line)| Some((number + 1, line.split_once(':')?)))
         {
@@ -260,16 +300,17 @@ impl GroomHeader {
                 "endian" => must(value == "little", "`endian: little`")?,
                 "sizes" => {
                     let sizes: Vec<u32> = value.split(' ').filter_map(|size| size.parse().ok()).collect();
-                    let is_cube = matches!(sizes[..], [8, a, b, c] if a == b && b == c && Groom::SIDES.contains(&a));
-                    must(is_cube, "`sizes: 8 n n n` with n from 32 to 256")?;
-                    found.side = sizes[1];
+                    let is_cube =
+                        matches!(sizes[..], [8 | 9, a, b, c] if a == b && b == c && Groom::SIDES.contains(&a));
+                    must(is_cube, "`sizes: 9 n n n` with n from 32 to 256, or 8 channels without amounts")?;
+                    (found.channels, found.side) = (sizes[0] as usize, sizes[1]);
                 }
                 KEY => found.object = value.trim_start_matches('=').into(),
                 _ => {}
             }
         }
         if found.side == 0 {
-            return Err(malformed(1, "a line `sizes: 8 n n n`", "none"));
+            return Err(malformed(1, "a line `sizes: 9 n n n`", "none"));
         }
         Ok(found)
     }
@@ -307,6 +348,19 @@ mod tests {
     }
 
     #[test]
+    fn a_groom_of_eight_channels_has_neutral_amounts() {
+        let mut bytes = b"NRRD0005\ntype: short\nsizes: 8 32 32 32\nencoding: gzip\nhypertexture groom:=a\n\n".to_vec();
+        let mut encoder = GzEncoder::new(&mut bytes, Compression::default());
+        let voxel = [0.5, 1.0, 1.0, 1.0, 1.0, 0.0, 0.25, 0.0].map(|value| ((value * UNIT) as i16).to_le_bytes());
+        (0..32 * 32 * 32).for_each(|_| encoder.write_all(voxel.as_flattened()).unwrap());
+        encoder.finish().unwrap();
+        let groom = Groom::from_bytes("a.nrrd", &bytes).unwrap();
+        let expected = [0.5, 1.0, 1.0, 1.0, 1.0, 0.0, 0.25, 0.0, 1.0];
+        assert!((0..groom.voxels()).all(|index| groom.at(index) == expected));
+        assert_eq!(groom.strongest(), 1.0);
+    }
+
+    #[test]
     fn a_groom_is_read_back_and_a_file_of_another_kind_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.nrrd");
@@ -315,17 +369,21 @@ mod tests {
         let expected =
             (0..groom.voxels()).filter(|index| (groom.place(*index) - Vec3::new(0.5, 0.0, -0.2)).length() <= 0.2);
         assert_eq!(painted, expected.collect::<Vec<_>>());
-        painted.iter().for_each(|index| groom.set(*index, [0.25, 3.0, 0.0, 0.5, 2.0, -2.0, 0.125, 1.0]));
+        painted.iter().for_each(|index| groom.set(*index, [0.25, 3.0, 0.0, 0.5, 2.0, -2.0, 0.125, 1.0, 0.75]));
         let mut bytes = Vec::new();
         groom.write(&mut bytes).unwrap();
         std::fs::write(&path, &bytes).unwrap();
         let read = Groom::read(&path).unwrap();
         assert_eq!(read, groom);
-        assert_eq!(read.at(painted[0]), [0.25, 2.0, 0.0, 0.5, 2.0, -1.0, 0.125, 1.0]);
+        assert_eq!(read.at(painted[0]), [0.25, 2.0, 0.0, 0.5, 2.0, -1.0, 0.125, 1.0, 0.75]);
         let text = String::from_utf8_lossy(&bytes).into_owned();
         let end = text.find("\n\n").unwrap();
         for (from, to, said) in [
-            ("8 32", "8 31", "line 6: expected `sizes: 8 n n n` with n from 32 to 256, found 8 31 32 32"),
+            (
+                "9 32",
+                "9 31",
+                "line 6: expected `sizes: 9 n n n` with n from 32 to 256, or 8 channels without amounts, found 9 31",
+            ),
             ("short", "float", "line 3: expected `type: short`, found float"),
             ("NRRD", "nrrd", "line 1: expected `NRRD0005`"),
             (KEY, "other", "line 1: expected a groom"),
