@@ -90,12 +90,12 @@ fn hairs(library: &Library, slots: &[(&str, &str)], formula: fn(&At<'_>) -> (f64
     })
 }
 
-fn distance(at: &At<'_>) -> f64 {
+pub fn distance(at: &At<'_>) -> f64 {
     at.place(0).length() - 1.0
 }
 
 /// D, outside of the core.
-fn density(at: &At<'_>) -> f64 {
+pub fn density(at: &At<'_>) -> f64 {
     let (inner, outer) = (at.number("iso_value"), at.number("outer_iso_value"));
     ((outer - distance(at)) / (outer - inner)).clamp(0.0, 1.0)
 }

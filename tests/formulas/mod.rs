@@ -30,6 +30,7 @@ mod parts;
 mod phases;
 mod proofs;
 mod rays;
+mod relief;
 mod segments;
 mod surface;
 mod transport;
@@ -68,6 +69,7 @@ fn every_module_has_a_check() {
         parts::ROWS,
         phases::ROWS,
         rays::ROWS,
+        relief::ROWS,
         segments::ROWS,
         surface::ROWS,
         transport::ROWS,

@@ -96,7 +96,10 @@ mod tests {
         };
         assert_eq!(of(DmfKind::PositionIndependent), ["biased", "folded", "gained", "scaled", "waves"]);
         assert_eq!(of(DmfKind::PositionDependent), ["fractal", "noisy", "traded", "turbulent"]);
-        assert_eq!(of(DmfKind::GeometryDependent), ["fire", "fur", "settled", "tribble", "woven"]);
+        assert_eq!(
+            of(DmfKind::GeometryDependent),
+            ["fire", "fur", "knurled", "pebbled", "rugged", "settled", "tribble", "woven"]
+        );
     }
 
     #[test]
