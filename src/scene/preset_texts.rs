@@ -16,7 +16,7 @@ const PRESETS: &[(&str, &str)] = shipped![
     "high_amplitude_sphere", "fractal_sphere", "dripping_sphere", "fire_ball", "furry_donut", "tribble",
     "furry_teapot", "coat", "burning_head", "smoke", "clouds", "woven", "flow", "glow", "nebula", "eroded_cube", "weathered",
     "tank", "burning_bush", "ensemble", "blue_glass", "wax",
-    "stone", "bark", "knurl", "hammered", "leather", "fuzzy_skin",
+    "stone", "bark", "knurl", "hammered", "leather", "fuzzy_skin", "printable",
 ];
 
 /// Names of all presets.

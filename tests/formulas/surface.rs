@@ -49,6 +49,10 @@ crate::rows! {
         (at.place(0) - low) / (high - low)
     }),
         "surface/tex_coord.glsl": "s.x - own_min.xyz" => "s.x + own_min.xyz";
+    overhangs_and_thin_walls_have_colors = printable,
+        "surface/printable.glsl": "-sin(" => "sin(",
+        "surface/printable.glsl": "s.x - depth" => "s.x + depth",
+        "surface/printable.glsl": "most * float(step)" => "float(step)";
     m46_a_bump_without_a_direction_keeps_the_normal = cancelled,
         "bump_normal.glsl": "safe_normalize(k * v + b, v)" => "normalize(k * v + b)";
 }
@@ -119,4 +123,27 @@ fn cancelled(library: &Library) -> f64 {
         format!("{SAMPLE}#include <surface>\nvoid check() {{ out0.xyz = bumpmap(p1.xyz, -p2.x * p1.xyz, p2.x); }}");
     let check = Check::new(library, &[("surface", "bump")], &text).given(sample);
     check.holds(1e-9, |at| at.p[1][..3].to_vec())
+}
+
+/// A print of the unit sphere: its undersides, and what has the other side near.
+fn printable(library: &Library) -> f64 {
+    let text = format!("{SAMPLE}#include <surface>\nvoid check() {{ out0.xyz = surface(given()); }}");
+    let check = Check::new(library, &[("surface", "printable")], &text).given(|random, setting| {
+        let mut p = sample(random, setting);
+        p[0] = (random.direction() * random.within(0.2, 1.0)).extend(0.0).to_array();
+        p
+    });
+    check.holds(2e-8, |at| {
+        let (x, normal) = (at.place(0), at.place(1));
+        let hangs = normal.y < -at.number("overhang_angle").to_radians().sin();
+        let depths = (1..=8).map(|step| at.number("least_wall") * f64::from(step) / 8.0);
+        let thin = depths.into_iter().any(|depth| (x - depth * normal).length() - 1.0 > at.number("iso_value"));
+        let own = match (hangs, thin) {
+            (true, true) => DVec3::new(c(0.4), c(0.07), c(0.4)),
+            (true, false) => DVec3::new(c(0.8), c(0.05), c(0.03)),
+            (false, true) => DVec3::new(c(0.03), c(0.1), c(0.8)),
+            (false, false) => material(at),
+        };
+        phong(at, own, normal).to_array().to_vec()
+    })
 }
