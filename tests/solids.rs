@@ -1,21 +1,26 @@
 //! Solids: meshes with few triangles and a proven distance from the surface (issue of prints).
 
 use crate::polygons::{of, soft_ball};
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use hypertexture::render::{Detail, Polygons, Solid, SolidError, SolidFacts, Subject, polygonize, solid};
 use hypertexture::scene::Scene;
-use hypertexture::shader;
+use hypertexture::shader::{self, Library};
 use hypertexture_support::random::SplitMix;
+use std::f64::consts::PI;
 
-fn try_solid(scene: &Scene, detail: Detail) -> Result<Solid, SolidError> {
-    let library = shader::shipped();
-    let subject = Subject::load(scene, &library, &|_| ()).unwrap();
-    solid(&library, scene, &subject, (0.5, detail), &|_| ())
+fn try_solid(scene: &Scene, library: &Library, detail: Detail) -> Result<Solid, SolidError> {
+    let subject = Subject::load(scene, library, &|_| ()).unwrap();
+    solid(library, scene, &subject, (0.5, detail), &|_| ())
 }
 
 /// A solid that is closed, without triangles that pass through others, and without lost matter.
 fn made(scene: &Scene, detail: Detail) -> Solid {
-    let found = try_solid(scene, detail).unwrap();
+    made_of(scene, &shader::shipped(), detail)
+}
+
+/// The same, with modules of one's own.
+fn made_of(scene: &Scene, library: &Library, detail: Detail) -> Solid {
+    let found = try_solid(scene, library, detail).unwrap();
     let edges = found.mesh.edges();
     assert_eq!((edges.open, edges.crowded, edges.turned), (0, 0, 0), "{}", scene.object.input);
     assert_eq!((found.proof.crossings, found.proof.lost_samples), (0, 0), "{}", scene.object.input);
@@ -118,8 +123,50 @@ fn a_cube_is_one_body_with_its_faces() {
 }
 
 #[test]
+fn sheets_and_spikes_above_the_stated_thickness_are_there() {
+    let scene = of("lit", "glsl:planted");
+    let of_thickness = |thickness: f64| {
+        let text = format!(
+            "#include \"surface_point.glsl\"
+            Surface object(vec3 x) {{
+                vec3 n = normalize(vec3(0.3, 0.2, 1.0)), p = x - vec3(0.45, 0.013, 0.007), q = x + vec3(0.45, 0.011, 0.0);
+                float sheet = max(abs(dot(p, n)) - {half:?}, length(p) - 0.4);
+                float spike = max(length(q - dot(q, n) * n) - {half:?}, length(q) - 0.4);
+                return Surface(min(sheet, spike), n);
+            }}",
+            half = 0.5 * thickness
+        );
+        made_of(&scene, &shader::shipped().with_module("object", "planted", &text), Detail::Tolerance(0.02))
+    };
+    let stated = of_thickness(0.3).proof.lost;
+    let thickness = 1.02 * stated;
+    let found = of_thickness(thickness);
+    assert_eq!((found.proof.lost, found.mesh.edges().bodies), (stated, 2));
+    let half = 0.5 * thickness;
+    let sheet = PI * (2.0 * half * 0.16 - 2.0 / 3.0 * half.powi(3));
+    // A cylinder with caps of the ball.
+    let along = (0.16 - half * half).sqrt();
+    let spike = 4.0 / 3.0 * PI * (0.064 - along.powi(3));
+    let part = found.mesh.signed_volume() / (sheet + spike);
+    assert!((part - 1.0).abs() < 0.25, "{part}");
+}
+
+#[test]
+fn a_kept_base_has_the_surface_of_the_bare_object() {
+    let mut scene = of("noisy_sphere", "sphere");
+    (scene.object.inner_iso, scene.object.outer_iso) = (-0.25, 0.35);
+    (scene.effect.softness, scene.effect.keep_base) = ("linear".into(), 0.5);
+    let found = made(&scene, Detail::Tolerance(0.02));
+    // The base of a sphere ends at -1 + 0.5; the surface of density 1/2 has a radius of 1.35 - 0.6 / 2.
+    let (base, above): (Vec<Vec3>, Vec<Vec3>) = found.mesh.positions.iter().partition(|place| place.y < -0.5);
+    let farthest = |places: &[Vec3]| places.iter().map(|place| (place.length() - 1.05).abs()).fold(0.0, f32::max);
+    assert!(base.len() > 50 && farthest(&base) < 1e-5, "{} {}", base.len(), farthest(&base));
+    assert!(farthest(&above) > 0.05, "{}", farthest(&above));
+}
+
+#[test]
 fn a_tolerance_or_a_count_out_of_range_is_one_line() {
-    let fails = |detail| try_solid(&of("lit", "sphere"), detail).unwrap_err().to_string();
+    let fails = |detail| try_solid(&of("lit", "sphere"), &shader::shipped(), detail).unwrap_err().to_string();
     for tolerance in [1.0, 1e-9, f64::NAN] {
         let line = fails(Detail::Tolerance(tolerance));
         assert!(line.starts_with(&format!("tolerance {tolerance}: not from ")), "{line}");
