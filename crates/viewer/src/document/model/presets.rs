@@ -34,6 +34,27 @@ impl Model {
         good
     }
 
+    /// Begins a scene of a preset with a change, in the picture size of the window.
+    pub(super) fn begin_with(&mut self, what: &str, preset: &str, change: impl FnOnce(&mut Scene)) -> bool {
+        let mut scene = match scene::preset(preset) {
+            Ok(preset) => preset,
+            Err(error) => {
+                self.say(error.to_string());
+                return false;
+            }
+        };
+        change(&mut scene);
+        scene.image = self.scene.image.clone();
+        let good = self.propose(what, scene);
+        self.end_undo_group();
+        if good {
+            self.set_saved(self.scene.clone());
+            self.file = None;
+            self.home.clone_from(&self.scene.camera);
+        }
+        good
+    }
+
     /// Takes effect, parameters, material, transfer map and soft region of a preset for an additional object.
     pub fn take_preset_of_part(&mut self, part: &str, name: &str) -> bool {
         let preset = match scene::preset(name) {

@@ -1,7 +1,7 @@
 //! The edited scene and its history.
 
 use crate::message::Message;
-use hypertexture::scene::{self, Camera, ParameterValue, Parameters, Scene, SceneError, schema};
+use hypertexture::scene::{Camera, ParameterValue, Parameters, Scene, SceneError, schema};
 use hypertexture::shader::{Library, ParameterKind, Slots};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, VecDeque};
@@ -159,22 +159,7 @@ impl Model {
 
     /// Begins a new scene, the plain one of a sphere.
     pub fn begin(&mut self) -> bool {
-        let mut scene = match scene::preset("lit") {
-            Ok(scene) => scene,
-            Err(error) => {
-                self.say(error.to_string());
-                return false;
-            }
-        };
-        (scene.object.input, scene.image) = ("sphere".into(), self.scene.image.clone());
-        let good = self.propose("new scene", scene);
-        self.end_undo_group();
-        if good {
-            self.set_saved(self.scene.clone());
-            self.file = None;
-            self.home.clone_from(&self.scene.camera);
-        }
-        good
+        self.begin_with("new scene", "lit", |scene| scene.object.input = "sphere".into())
     }
 
     /// The camera of the last opened preset or file.
