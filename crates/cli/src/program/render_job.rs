@@ -49,16 +49,18 @@ pub fn serve(mut parent: Parent, options: &Options) -> io::Result<()> {
     })
 }
 
-fn render_job(job: RenderJob, options: &Options) -> Result<(), Box<dyn Error>> {
+/// Writes the files of a request; returns lines about them, if there are any.
+fn render_job(job: RenderJob, options: &Options) -> Result<String, Box<dyn Error>> {
     let scene = scene::parse(&job.scene, "scene")?;
     let library = shader::shipped_with(job.changed).compiled_by(&std::env::current_exe()?);
     let scene = SceneInput { base: scene::nearest_preset(&scene), scene, sets_rays_of_a_pixel: false };
     let checked = |scene| CheckedScene::with_library(scene, library.clone());
-    match Arguments::try_parse_from(job.command)?.command {
+    let written = match Arguments::try_parse_from(job.command)?.command {
         Command::Render(command) => render(&command, options, true, checked(scene)?),
-        Command::Mesh(command) => mesh::export(&command, checked(scene)?, true),
+        Command::Mesh(command) => return mesh::export(&command, checked(scene)?, true),
         Command::Volume(command) => volume::export(&command, options, checked(scene)?, true),
         Command::Web(command) => export::web_of(&command, scene, library, options, true),
         _ => Err("the window asks for no such file".into()),
-    }
+    };
+    written.map(|()| String::new())
 }

@@ -6,6 +6,7 @@ mod loss;
 mod menu;
 mod objects;
 mod paint;
+mod print;
 mod scan;
 mod time;
 mod wipe;

@@ -40,6 +40,8 @@ impl App {
             | Command::RemovePart(_)
             | Command::RenamePart { .. } => drop(self.panels.perform(command, &mut self.document)),
             Command::Export => self.panels.export.is_open ^= true,
+            Command::AskToLook if self.document.model.is_dirty() => self.panels.ask(Question::Look),
+            Command::AskToLook | Command::Look => self.look_at_print(),
             Command::AskToQuit => self.ask_to_quit(),
             Command::Quit => self.quit = true,
             Command::Undo => {
@@ -267,6 +269,15 @@ impl App {
         self.document.selection.select(None);
         if self.document.model.begin() {
             self.note("a new scene; Ctrl+Z goes back");
+        }
+    }
+
+    /// Begins a scene of the print that was written last.
+    fn look_at_print(&mut self) {
+        self.loader.failed = None;
+        self.navigation.glide = None;
+        if self.document.look_at_print() {
+            self.note("the print, with overhangs and thin walls colored; Ctrl+Z goes back");
         }
     }
 

@@ -1,7 +1,7 @@
 //! The state of the document, and the commands that concern nothing else.
 
 use super::author::Author;
-use super::exports::Exports;
+use super::exports::{Exports, up_of_print};
 use super::model::Model;
 use super::painting::Painting;
 use super::selection::Selection;
@@ -54,6 +54,15 @@ impl Document {
         let running = self.exports.progress().map(|progress| format!("The running render also ends ({progress})."));
         let all: Vec<String> = unsaved.into_iter().chain(running).collect();
         (!all.is_empty()).then(|| all.join("\n"))
+    }
+
+    /// Begins a scene of the print that was written last; returns whether it did.
+    pub(crate) fn look_at_print(&mut self) -> bool {
+        let Some(order) = self.exports.written().map(|written| &written.order) else { return false };
+        let path = std::path::absolute(&order.path).unwrap_or_else(|_| order.path.clone());
+        let up = up_of_print(&order.scene.object, &path);
+        self.selection.select(None);
+        self.model.look_at_print(&path, up)
     }
 
     /// Opens a mesh, a scan or a scene file as the scene, or a module to edit; returns whether it is a module. If it

@@ -25,6 +25,10 @@ pub enum Command {
     Restore(PathBuf),
     /// Shows or hides the dialog for final pictures.
     Export,
+    /// Looks at the print that was written last, after a question if the scene is not saved.
+    AskToLook,
+    /// Looks at the print that was written last, in a new scene.
+    Look,
     /// Closes the program, after a question if work is unsaved.
     AskToQuit,
     /// Closes the program.

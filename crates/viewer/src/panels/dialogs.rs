@@ -13,6 +13,9 @@ const MAX_RECENT: usize = 8;
 /// Size limit of the list, bytes.
 const MAX_LIST: u64 = 1 << 16;
 
+/// Warning before a new scene replaces one that is not saved.
+const UNSAVED: &str = "The scene is not saved. Undo brings it back.";
+
 /// A question to the user.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Question {
@@ -20,6 +23,8 @@ pub enum Question {
     Quit,
     /// Begin a new scene though this one is not saved?
     New,
+    /// Look at a print in a new scene though this one is not saved?
+    Look,
     /// Replace a scene file that this window did not write?
     Scene(PathBuf),
     /// Replace a picture that this window did not write?
@@ -141,6 +146,7 @@ impl Dialogs {
             (Answer::No, _) => None,
             (Answer::Yes, Question::Quit) => Some(Command::Quit),
             (Answer::Yes, Question::New) => Some(Command::Begin),
+            (Answer::Yes, Question::Look) => Some(Command::Look),
             (Answer::Yes, Question::Scene(path)) => {
                 model.save(&path);
                 None
@@ -148,7 +154,11 @@ impl Dialogs {
             (Answer::Yes, Question::Picture(path)) => Some(Command::Screenshot(path)),
             (Answer::Save, question) => {
                 self.save(model, file);
-                let then = if question == Question::New { Command::Begin } else { Command::Quit };
+                let then = match question {
+                    Question::New => Command::Begin,
+                    Question::Look => Command::Look,
+                    _ => Command::Quit,
+                };
                 (!model.is_dirty()).then_some(then)
             }
         }
@@ -197,7 +207,8 @@ fn answer(
     ui.set_max_width(420.0);
     let (line, yes, no) = match question {
         Question::Quit => (at_stake.unwrap_or_else(|| "Quit?".into()), "quit", "stay"),
-        Question::New => ("The scene is not saved. Undo brings it back.".into(), "new scene", "stay"),
+        Question::New => (UNSAVED.into(), "new scene", "stay"),
+        Question::Look => (UNSAVED.into(), "look at it", "stay"),
         Question::Scene(path) | Question::Picture(path) => {
             (format!("{} exists and was not written by this window.", path.display()), "replace it", "keep it")
         }
@@ -216,8 +227,8 @@ fn answer(
         if had_focus && (first.clicked() || is_entered) {
             answer = Some(Answer::Yes);
         }
-        let ends = matches!(question, Question::Quit | Question::New);
-        let text = if *question == Question::New { "save first" } else { "save and quit" };
+        let ends = matches!(question, Question::Quit | Question::New | Question::Look);
+        let text = if *question == Question::Quit { "save and quit" } else { "save first" };
         if ends && model.is_dirty() && button(ui, text, "ask.save", "").clicked() {
             answer = Some(Answer::Save);
         }

@@ -1,9 +1,13 @@
 //! The dialog for final pictures.
 
+use super::print_fields;
 use super::status::Status;
 use super::widgets::{Field, button, field, fit, named, number, short, switch};
-use crate::document::exports::{ExportOrder, Exports, GRID, Kind, Motion, VIDEO_BACKGROUND, is_installed};
+use crate::document::exports::{
+    ExportOrder, Exports, GRID, Kind, Motion, Print, VIDEO_BACKGROUND, is_installed, longest_side,
+};
 use crate::document::model::Model;
+use crate::input::Command;
 use egui::{DragValue, Id, TextEdit, Ui, Window};
 use hypertexture::scene::schema::Unit;
 use std::path::PathBuf;
@@ -30,6 +34,9 @@ pub(crate) struct ExportDialog {
     max_error: Option<f64>,
     motion: Motion,
     grid: u32,
+    print: Print,
+    /// Longest side of a print, millimeters; `None`: that of the object.
+    side: Option<f32>,
 }
 
 impl Default for ExportDialog {
@@ -44,6 +51,8 @@ impl Default for ExportDialog {
             max_error: None,
             motion: Motion::default(),
             grid: GRID,
+            print: Print::default(),
+            side: None,
         }
     }
 }
@@ -56,7 +65,7 @@ impl ExportDialog {
 
     /// Whether a file for another program is written in place of pictures.
     fn is_export(&self) -> bool {
-        matches!(self.kind, Kind::Mesh | Kind::Volume | Kind::Page)
+        matches!(self.kind, Kind::Mesh | Kind::Print | Kind::Volume | Kind::Page)
     }
 
     /// The order as described in the dialog.
@@ -73,28 +82,43 @@ impl ExportDialog {
         if self.kind == Kind::Video {
             scene.image.background.get_or_insert(VIDEO_BACKGROUND);
         }
+        if self.kind == Kind::Print {
+            scene.object.scale_to = self.side.unwrap_or_else(|| longest_side(&scene.object));
+        }
         let turntable = Some(self.motion.turns(!scene.animation.is_empty()));
         let motion = matches!(self.kind, Kind::Sequence | Kind::Video).then_some(Motion { turntable, ..self.motion });
         let path = PathBuf::from(self.path.trim());
-        let (kind, max_error, grid) = (self.kind, self.max_error.filter(|_| !self.is_export()), self.grid);
-        ExportOrder { kind, motion, max_error, grid, ..ExportOrder::picture(scene, model.library().clone(), path) }
+        ExportOrder {
+            kind: self.kind,
+            motion,
+            max_error: self.max_error.filter(|_| !self.is_export()),
+            grid: self.grid,
+            print: self.print,
+            ..ExportOrder::picture(scene, model.library().clone(), path)
+        }
     }
 
-    /// Shows the dialog if it is open.
-    pub(super) fn show(&mut self, ui: &Ui, exports: &mut Exports, model: &Model, status: &Status) {
+    /// Shows the dialog if it is open; returns a command for the window.
+    pub(super) fn show(&mut self, ui: &Ui, exports: &mut Exports, model: &Model, status: &Status) -> Option<Command> {
         let mut is_open = self.is_open;
         let window = Window::new("Final picture").id(Id::new("final")).open(&mut is_open).collapsible(false);
-        window.resizable(false).default_width(380.0).show(ui.ctx(), |ui| self.form(ui, exports, model, status));
+        let form = |ui: &mut Ui| self.form(ui, exports, model, status);
+        let shown = window.resizable(false).default_width(380.0).show(ui.ctx(), form);
         self.is_open &= is_open;
+        shown?.inner?
     }
 
-    fn form(&mut self, ui: &mut Ui, exports: &mut Exports, model: &Model, status: &Status) {
+    fn form(&mut self, ui: &mut Ui, exports: &mut Exports, model: &Model, status: &Status) -> Option<Command> {
         fit(ui);
-        self.kinds(ui);
+        self.kinds(ui, exports);
         if self.is_export() {
-            if self.kind != Kind::Page {
-                let grid = field("final.grid", "Samples along the longest side of the mesh or the volume.");
-                number(ui, &mut None, &grid, &mut self.grid, 8..=512);
+            match self.kind {
+                Kind::Print => print_fields::show(ui, &mut self.print, &mut self.side, &model.scene().object),
+                Kind::Page => {}
+                _ => {
+                    let grid = field("final.grid", "Samples along the longest side of the mesh or the volume.");
+                    number(ui, &mut None, &grid, &mut self.grid, 8..=512);
+                }
             }
             ui.separator();
             return self.buttons(ui, exports, self.order(model, status));
@@ -149,17 +173,18 @@ impl ExportDialog {
         let has_background = order.scene.image.background.is_some();
         ui.weak(if has_background { "with its background" } else { "with a transparent background" });
         ui.separator();
-        self.buttons(ui, exports, order);
+        self.buttons(ui, exports, order)
     }
 
     /// Kind and path of the output.
-    fn kinds(&mut self, ui: &mut Ui) {
+    fn kinds(&mut self, ui: &mut Ui, exports: &mut Exports) {
         ui.horizontal_wrapped(|ui| {
             for (kind, text, name, end) in [
                 (Kind::Picture, "Picture", "final.picture", "final.png"),
                 (Kind::Sequence, "Sequence", "final.sequence", "final_####.png"),
                 (Kind::Video, "Video", "final.video", "final.mp4"),
                 (Kind::Mesh, "Mesh", "final.mesh", "final.ply"),
+                (Kind::Print, "Print", "final.print", "final.3mf"),
                 (Kind::Volume, "Volume", "final.volume", "final.vdb"),
                 (Kind::Page, "Web page", "final.page", "final.html"),
             ] {
@@ -168,6 +193,7 @@ impl ExportDialog {
                 let chosen = chosen.on_disabled_hover_text("A video needs ffmpeg, which is not installed.");
                 if named(ui, &chosen, name).clicked() {
                     (self.kind, self.path) = (kind, end.into());
+                    exports.forget_written();
                 }
             }
             if !*FFMPEG {
@@ -175,8 +201,9 @@ impl ExportDialog {
             }
         });
         let response = ui.add(TextEdit::singleline(&mut self.path).desired_width(f32::INFINITY));
-        let doc = "Path: .png or .exr, #### is the number of a frame; a sequence may be a .webp, .gif or .apng. A mesh is a .stl, \
-                   .ply, .obj or .glb, a volume a .vdb, .nrrd or .npy. A page is a .html, or a folder.";
+        let doc = "Path: .png or .exr, #### is the number of a frame; a sequence may be a .webp, .gif or .apng. A mesh \
+                   or a print is a .3mf, .stl, .ply, .obj or .glb, a volume a .vdb, .nrrd or .npy. A page is a \
+                   .html, or a folder.";
         named(ui, &response, "final.file").on_hover_text(doc);
     }
 
@@ -227,7 +254,8 @@ impl ExportDialog {
         number(ui, &mut None, &smooth, &mut self.supersampling, 1..=64);
     }
 
-    fn buttons(&self, ui: &mut Ui, exports: &mut Exports, order: ExportOrder) {
+    /// The progress of an order, or the button that gives it, with facts about what was written.
+    fn buttons(&self, ui: &mut Ui, exports: &mut Exports, order: ExportOrder) -> Option<Command> {
         let first = order.first();
         if let Some(progress) = exports.progress() {
             ui.horizontal(|ui| {
@@ -240,7 +268,7 @@ impl ExportDialog {
                     exports.stop();
                 }
             });
-            return;
+            return None;
         }
         let text = if exports.replaces(&first) {
             ui.colored_label(ui.visuals().warn_fg_color, format!("{} exists", first.display()));
@@ -253,5 +281,27 @@ impl ExportDialog {
         if button(ui, text, "final.render", "Write it in the background.").clicked() {
             exports.add(order);
         }
+        exports.written().and_then(|written| print_fields::written(ui, written))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use hypertexture::scene::preset;
+    use hypertexture::shader::shipped;
+
+    #[test]
+    fn a_print_is_ordered_in_millimeters() {
+        let model = Model::new(preset("lit").unwrap(), shipped()).unwrap();
+        let ordered = |dialog: ExportDialog| {
+            let order = dialog.order(&model, &Status::default());
+            (order.scene.object.scale_to, order.command()[2..].join(" "))
+        };
+        let dialog = || ExportDialog { kind: Kind::Print, path: "a.3mf".into(), ..ExportDialog::default() };
+        assert_eq!(ordered(dialog()), (60.0, "mesh scene --output a.3mf --tolerance 0.1mm".into()));
+        let print = Print { tolerance: 0.25, apart: true, ..Print::default() };
+        let words = "mesh scene --output a.3mf --tolerance 0.25mm --bodies apart";
+        assert_eq!(ordered(ExportDialog { side: Some(20.0), print, ..dialog() }), (20.0, words.into()));
     }
 }

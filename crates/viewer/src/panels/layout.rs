@@ -131,7 +131,7 @@ impl Panels {
         if document.exports.is_running() {
             ui.ctx().request_repaint_after(EXPORT_POLL);
         }
-        self.export.show(ui, &mut document.exports, &document.model, status);
+        commands.extend(self.export.show(ui, &mut document.exports, &document.model, status));
         let outcome = document.exports.outcome();
         let all = [complaint.as_ref(), document.model.notice(), status.message.as_ref(), outcome];
         let all: Vec<&Message> = all.into_iter().flatten().collect();

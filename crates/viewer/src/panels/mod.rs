@@ -23,6 +23,7 @@ mod messages;
 mod object;
 mod parameters;
 mod presets;
+mod print_fields;
 mod settings;
 mod status;
 mod status_bar;

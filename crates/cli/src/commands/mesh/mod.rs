@@ -123,7 +123,7 @@ fn smallest(text: &str) -> Result<Smallest, String> {
 pub(crate) fn run(command: &Mesh, quiet: bool) -> Result<(), Box<dyn Error>> {
     command.format()?;
     let scene = command.arguments.scene_and_base(&command.input, &command.object)?;
-    export(command, CheckedScene::of(scene)?, quiet)
+    export(command, CheckedScene::of(scene)?, quiet).map(drop)
 }
 
 impl Mesh {
@@ -138,8 +138,8 @@ impl Mesh {
     }
 }
 
-/// Polygonizes the surface of a checked scene and writes it.
-pub(crate) fn export(command: &Mesh, scene: CheckedScene, quiet: bool) -> Result<(), Box<dyn Error>> {
+/// Polygonizes the surface of a checked scene and writes it. Returns lines about the last file.
+pub(crate) fn export(command: &Mesh, scene: CheckedScene, quiet: bool) -> Result<String, Box<dyn Error>> {
     let format = command.format()?;
     let scenes = command.times.scenes(&scene.moving, &command.output)?;
     let outputs = &Outputs::Files(scenes.iter().map(|(_, path)| ("--output", path.clone())).collect());
@@ -149,15 +149,15 @@ pub(crate) fn export(command: &Mesh, scene: CheckedScene, quiet: bool) -> Result
     if moving.camera.clip.is_some() {
         ::log::warn!("camera.clip cuts pictures; the mesh is whole");
     }
-    let mut object = FrameObject::of(&variant, &subject);
+    let (mut object, mut lines) = (FrameObject::of(&variant, &subject), String::new());
     for (scene, path) in &scenes {
         object.serve(&Variant::of(scene, &library)?, &library)?;
-        write(command, &library, scene, &object.subject, &MeshFile { format, path }, quiet)?;
+        lines = write(command, &library, scene, &object.subject, &MeshFile { format, path }, quiet)?;
     }
     if !quiet {
         say_fault(fault);
     }
-    Ok(())
+    Ok(lines)
 }
 
 /// The file of a mesh.
@@ -257,7 +257,7 @@ impl Mesh {
     }
 }
 
-/// Polygonizes a frame and writes it.
+/// Polygonizes a frame and writes it. Returns lines about the file.
 fn write(
     command: &Mesh,
     library: &Library,
@@ -265,7 +265,7 @@ fn write(
     subject: &Subject,
     file: &MeshFile<'_>,
     quiet: bool,
-) -> Result<(), Box<dyn Error>> {
+) -> Result<String, Box<dyn Error>> {
     let MeshFile { format, path } = *file;
     let Made { mut mesh, mut looks, proof } = Made::of(command, (library, scene, subject), format, quiet)?;
     let stands = format == MeshFormat::ThreeMf && stand(&mut mesh, looks.as_mut(), &scene.object);
@@ -297,14 +297,15 @@ fn write(
     let name = Path::new(&command.input).file_stem().unwrap_or_default().to_string_lossy();
     let bytes = encoded(format, (&name, command.bodies), (&mesh, looks.as_ref()), &report)?;
     write_whole(path, &bytes).map_err(|error| format!("{}: {error}; nothing was written", path.display()))?;
+    let lines = report.lines(format);
     if command.json {
         let mut facts = report.json();
         facts["file"] = absolute(path).to_string().into();
         say_json(&facts)?;
     } else if !quiet {
-        say(&format!("{}wrote {}\n", report.lines(format), absolute(path)));
+        say(&format!("{lines}wrote {}\n", absolute(path)));
     }
-    Ok(())
+    Ok(lines)
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 //! Role: an [`ExportOrder`] -> the job [`JOB`], which does the work of `render`, then ffmpeg for a video. Invariants: a
 //! stopped order leaves whole files or none; the processes end with the [`Rendering`].
 
+use super::print::Print;
 use crate::background::{Background, silent};
 use crate::document::author::Gate;
 use hypertexture::output::Animated;
@@ -49,8 +50,8 @@ pub struct RenderJob {
 pub enum RenderAnswer {
     /// A stage, and the part of it that is done.
     At(String, f32),
-    /// The end, or the reason why there are no files.
-    Done(Result<(), String>),
+    /// The end with lines about the files, if there are any, or the reason why there are no files.
+    Done(Result<String, String>),
 }
 
 /// Kind of the output.
@@ -64,6 +65,8 @@ pub(crate) enum Kind {
     Video,
     /// The surface as a mesh.
     Mesh,
+    /// The surface as a solid in millimeters.
+    Print,
     /// The density and its color as a volume.
     Volume,
     /// A page for browsers: a file, or a folder.
@@ -78,6 +81,7 @@ impl Kind {
             Kind::Sequence => "sequence",
             Kind::Video => "video",
             Kind::Mesh => "mesh",
+            Kind::Print => "print",
             Kind::Volume => "volume",
             Kind::Page => "page",
         }
@@ -125,6 +129,8 @@ pub(crate) struct ExportOrder {
     pub(crate) max_error: Option<f64>,
     /// Samples along the longest side of a mesh or a volume.
     pub(crate) grid: u32,
+    /// Accuracy and bodies of a print.
+    pub(crate) print: Print,
     /// Path of the file, of the frames with `####` for their number.
     pub(crate) path: PathBuf,
 }
@@ -132,7 +138,8 @@ pub(crate) struct ExportOrder {
 impl ExportOrder {
     /// The picture of a scene.
     pub(crate) fn picture(scene: Scene, library: Library, path: PathBuf) -> ExportOrder {
-        ExportOrder { scene, library, kind: Kind::Picture, motion: None, max_error: None, grid: GRID, path }
+        let (kind, print) = (Kind::Picture, Print::default());
+        ExportOrder { scene, library, kind, motion: None, max_error: None, grid: GRID, print, path }
     }
 
     /// The pictures of a turntable.
@@ -157,7 +164,7 @@ impl ExportOrder {
     pub(crate) fn first(&self) -> PathBuf {
         match self.kind {
             Kind::Page if !self.is_file() => self.path.join("index.html"),
-            Kind::Picture | Kind::Mesh | Kind::Volume | Kind::Page => self.path.clone(),
+            Kind::Picture | Kind::Mesh | Kind::Print | Kind::Volume | Kind::Page => self.path.clone(),
             Kind::Sequence | Kind::Video => frame_path(&self.pictures(), 0),
         }
     }
@@ -168,18 +175,20 @@ impl ExportOrder {
     }
 
     /// The command line.
-    fn command(&self) -> Vec<String> {
+    pub(crate) fn command(&self) -> Vec<String> {
         let name = match self.kind {
             Kind::Picture | Kind::Sequence | Kind::Video => "render",
-            Kind::Mesh => "mesh",
+            Kind::Mesh | Kind::Print => "mesh",
             Kind::Volume => "volume",
             Kind::Page => "web",
         };
         let mut words: Vec<String> = ["hypertexture", "--quiet", name, "scene", "--output"].map(String::from).into();
         let output = if self.kind == Kind::Video { self.pictures() } else { self.path.clone() };
         words.push(output.display().to_string());
-        if matches!(self.kind, Kind::Mesh | Kind::Volume) {
-            words.extend(["--grid".into(), self.grid.to_string()]);
+        match self.kind {
+            Kind::Mesh | Kind::Volume => words.extend(["--grid".into(), self.grid.to_string()]),
+            Kind::Print => words.extend(self.print.words()),
+            _ => {}
         }
         words.extend((self.kind == Kind::Page && self.is_file()).then(|| "--single-file".into()));
         if let Some(error) = self.max_error {
@@ -194,14 +203,14 @@ impl ExportOrder {
         words
     }
 
-    /// Renders the pictures, and encodes the video; `tell` gets each stage.
+    /// Renders the pictures, and encodes the video; `tell` gets each stage. Returns lines about the files.
     fn perform(
         &self,
         program: &Path,
         device: Option<&str>,
         is_stale: &dyn Fn() -> bool,
         tell: &dyn Fn(RenderAnswer),
-    ) -> Result<(), String> {
+    ) -> Result<String, String> {
         let (scene, changed) = (scene::to_text(&self.scene), shader::changed(&self.library));
         let job = RenderJob { scene, changed, command: self.command() };
         let limits = Limits { time: UNLIMITED_TIME, memory_mib: UNLIMITED_MIB, ..Limits::default() };
@@ -214,8 +223,8 @@ impl ExportOrder {
                 }
             }
         });
-        rendered.map_err(|ended| format!("{}: {ended}", program.display()))??;
-        let Some(motion) = self.motion.filter(|_| self.kind == Kind::Video) else { return Ok(()) };
+        let lines = rendered.map_err(|ended| format!("{}: {ended}", program.display()))??;
+        let Some(motion) = self.motion.filter(|_| self.kind == Kind::Video) else { return Ok(lines) };
         tell(RenderAnswer::At("encoding".into(), 1.0));
         let fail = |error: std::io::Error| format!("ffmpeg: {error}");
         let mut process = ffmpeg(&self.pictures(), motion.fps, &self.path).spawn().map_err(fail)?;
@@ -228,7 +237,7 @@ impl ExportOrder {
         let output = process.wait_with_output().map_err(fail)?;
         let said = String::from_utf8_lossy(&output.stderr);
         let last = said.lines().rfind(|line| !line.trim().is_empty()).unwrap_or("no error message");
-        if output.status.success() { Ok(()) } else { Err(format!("ffmpeg: {last}")) }
+        if output.status.success() { Ok(lines) } else { Err(format!("ffmpeg: {last}")) }
     }
 }
 
@@ -244,6 +253,8 @@ pub(crate) struct Rendering {
     answers: Background<RenderAnswer>,
     /// The stage, and the part of it that is done.
     pub(crate) at: Option<(String, f32)>,
+    /// Lines about the files of an order that has ended.
+    pub(crate) lines: String,
     began: Instant,
 }
 
@@ -256,7 +267,7 @@ impl Rendering {
             let done = own.perform(&program, device.as_deref(), &|| task.is_cancelled(), &tell);
             task.send(RenderAnswer::Done(done));
         });
-        Rendering { order, answers, at: None, began: Instant::now() }
+        Rendering { order, answers, at: None, lines: String::new(), began: Instant::now() }
     }
 
     /// Seconds since the start.
@@ -277,7 +288,7 @@ impl Rendering {
             match self.answers.poll() {
                 Poll::Pending => return None,
                 Poll::Ready(Some(RenderAnswer::At(what, part))) => self.at = Some((what, part)),
-                Poll::Ready(Some(RenderAnswer::Done(done))) => break done,
+                Poll::Ready(Some(RenderAnswer::Done(done))) => break done.map(|lines| self.lines = lines),
                 Poll::Ready(None) => break Err("its thread has failed".into()),
             }
         };
@@ -287,7 +298,7 @@ impl Rendering {
         let background = if scene.image.background.is_some() { "its" } else { "a transparent" };
         Some(done.map(|()| {
             let (path, seconds) = (path.display(), self.seconds());
-            if matches!(kind, Kind::Mesh | Kind::Volume | Kind::Page) {
+            if matches!(kind, Kind::Mesh | Kind::Print | Kind::Volume | Kind::Page) {
                 return format!("wrote {path} in {seconds} s");
             }
             format!("wrote {path}, {count}{width} x {height} pixels, with {background} background, in {seconds} s")
@@ -318,6 +329,10 @@ mod tests {
         assert_eq!(picture.first(), Path::new("a.png"));
         let mesh = ExportOrder { kind: Kind::Mesh, ..order("a.ply") };
         assert_eq!(mesh.command()[2..], ["mesh", "scene", "--output", "a.ply", "--grid", "128"]);
+        let print = |print| ExportOrder { kind: Kind::Print, print, ..order("a.3mf") }.command()[3..].join(" ");
+        assert_eq!(print(Print::default()), "scene --output a.3mf --tolerance 0.1mm");
+        let apart = Print { triangles: Some(90_000), apart: true, ..Print::default() };
+        assert_eq!(print(apart), "scene --output a.3mf --triangles 90000 --bodies apart");
         let page = |path: &str| ExportOrder { kind: Kind::Page, ..order(path) };
         assert_eq!(page("a.html").command()[2..], ["web", "scene", "--output", "a.html", "--single-file"]);
         assert_eq!(page("a").command()[2..], ["web", "scene", "--output", "a"]);

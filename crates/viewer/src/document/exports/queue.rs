@@ -7,26 +7,34 @@ use std::collections::{BTreeSet, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+/// An order that has ended, with facts about its file.
+pub(crate) struct Written {
+    pub(crate) order: ExportOrder,
+    /// Subjects and words.
+    pub(crate) facts: Vec<[String; 2]>,
+}
+
 /// The orders, of which one is running.
 pub(crate) struct Exports {
     gate: Arc<Gate>,
     running: Option<Rendering>,
     waiting: VecDeque<ExportOrder>,
     outcome: Option<Message>,
+    written: Option<Written>,
     /// First files of all orders.
     own: BTreeSet<PathBuf>,
 }
 
 impl Exports {
     pub(crate) fn new(gate: Arc<Gate>) -> Exports {
-        Exports { gate, running: None, waiting: VecDeque::new(), outcome: None, own: BTreeSet::new() }
+        Exports { gate, running: None, waiting: VecDeque::new(), outcome: None, written: None, own: BTreeSet::new() }
     }
 
     /// Renders an order after the earlier ones.
     pub(crate) fn add(&mut self, order: ExportOrder) {
         self.own.insert(order.first());
         self.waiting.push_back(order);
-        self.outcome = None;
+        (self.outcome, self.written) = (None, None);
         self.start_next();
     }
 
@@ -47,9 +55,10 @@ impl Exports {
     /// Receives the result of the running order, and starts the next one.
     pub(crate) fn poll(&mut self) {
         if let Some(done) = self.running.as_mut().and_then(Rendering::poll) {
+            let told = self.running.take().filter(|running| done.is_ok() && !running.lines.is_empty());
+            self.written = told.map(|Rendering { order, lines, .. }| Written { order, facts: facts(&lines) });
             let failed = |reason: String| Message::error(format!("final picture: {}", of_window(&reason)));
             self.outcome = Some(done.map_or_else(failed, Message::note));
-            self.running = None;
             self.start_next();
         }
     }
@@ -89,6 +98,16 @@ impl Exports {
         self.outcome.as_ref()
     }
 
+    /// What the last order has written, if there are facts about it.
+    pub(crate) fn written(&self) -> Option<&Written> {
+        self.written.as_ref()
+    }
+
+    /// Forgets the facts about what was written.
+    pub(crate) fn forget_written(&mut self) {
+        self.written = None;
+    }
+
     /// Progress of the running order, in words.
     pub(crate) fn progress(&self) -> Option<String> {
         let running = self.running.as_ref()?;
@@ -106,13 +125,25 @@ impl Exports {
     }
 }
 
-/// A reason with the controls of the dialog in place of the options of the command line.
+/// The facts of lines, each with its subject in front.
+fn facts(lines: &str) -> Vec<[String; 2]> {
+    let fact = |line: &str| line.split_once(' ').map(|(about, what)| [about.into(), of_window(what.trim_start())]);
+    lines.lines().filter_map(fact).collect()
+}
+
+/// A reason with the controls of the window in place of the options of the command line.
 fn of_window(reason: &str) -> String {
-    const NAMES: [(&str, &str); 4] = [
+    const NAMES: [(&str, &str); 10] = [
         ("--restart", "tick `restart`"),
         ("give another --output", "give another file name"),
         ("--output", "the file name"),
         ("--grid", "`grid`"),
+        ("--tolerance", "`tolerance`"),
+        ("--triangles", "`triangles`"),
+        ("--bodies apart", "`bodies apart`"),
+        ("--scale-to", "`scale to`"),
+        ("--unit", "`unit`"),
+        ("--smallest", "`mesh --smallest`"),
     ];
     NAMES.iter().fold(reason.to_string(), |text, (option, name)| text.replace(option, name))
 }
@@ -127,5 +158,7 @@ mod tests {
         let told =
             "a.frames shows another scene; give another file name, or tick `restart` to render every frame again";
         assert_eq!(of_window(said), told);
+        let lines = "mesh       8 vertices\nprint      60 x 40 x 20 mm, by --scale-to\n";
+        assert_eq!(facts(lines), [["mesh", "8 vertices"], ["print", "60 x 40 x 20 mm, by `scale to`"]]);
     }
 }

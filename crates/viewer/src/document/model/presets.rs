@@ -1,9 +1,13 @@
 //! Presets, with or without their object and view, and default values of parameters.
 
 use super::state::Model;
-use hypertexture::scene::{self, Color, Object, ParameterValue, Scene};
+use hypertexture::scene::{self, Axis, Color, Object, ParameterValue, Scene};
 use hypertexture::shader::{Parameter, ParameterKind};
+use std::path::Path;
 use std::sync::LazyLock;
+
+/// The preset that colors overhangs and thin walls.
+const PRINTABLE: &str = "printable";
 
 static PRESETS: LazyLock<Vec<(&str, Scene)>> =
     LazyLock::new(|| scene::names().filter_map(|name| Some((name, scene::preset(name).ok()?))).collect());
@@ -53,6 +57,15 @@ impl Model {
             self.home.clone_from(&self.scene.camera);
         }
         good
+    }
+
+    /// Begins a scene of a written print, with overhangs and thin walls colored.
+    pub(crate) fn look_at_print(&mut self, file: &Path, up: Axis) -> bool {
+        let name = file.display().to_string();
+        self.begin_with(&format!("look at {name}"), PRINTABLE, |scene| {
+            scene.replace_object(&name);
+            scene.object.up = up;
+        })
     }
 
     /// Takes effect, parameters, material, transfer map and soft region of a preset for an additional object.
