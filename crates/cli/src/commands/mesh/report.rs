@@ -91,8 +91,9 @@ impl Report {
             if is_whole { "watertight" } else { "not watertight" },
         )];
         lines.extend(self.statement().map(|statement| format!("surface    {statement}")));
-        lines
-            .push(format!("size       {} x {} x {}, volume {} cubic world units", size.x, size.y, size.z, self.volume));
+        let [x, y, z] = size.to_array().map(|side| significant(f64::from(side), 6));
+        let volume = significant(self.volume, 6);
+        lines.push(format!("size       {x} x {y} x {z}, volume {volume} cubic world units"));
         lines.extend(self.specks().map(|specks| format!("bodies     {specks}")));
         lines.extend(self.print(format).map(|print| format!("print      {print}")));
         if let Some(SolidReport { facts, .. }) = &self.solid {
