@@ -51,8 +51,8 @@ const RUNGS: i32 = 8;
 const LEAST: f64 = 1.0 / (1 << 16) as f64;
 /// Part of the memory of this machine that a mesh may use.
 const MEMORY: f64 = 0.6;
-/// Samples along the longest side for a number of triangles, and the full triangles for each of them.
-const SAMPLES: f64 = 256.0;
+/// Fewest samples along the longest side for a number of triangles, and the full triangles for each of them.
+const SAMPLES: f64 = 96.0;
 const FULL: usize = 6;
 
 /// Detail of a solid.
