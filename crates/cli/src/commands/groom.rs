@@ -41,14 +41,15 @@ pub(crate) struct GroomArguments {
     /// Tangent along which strands are combed, -1 to 1 along each axis.
     #[arg(long, value_name = "EXPRESSION", allow_hyphen_values = true)]
     pub direction: Option<String>,
-    /// Amount of warps and DMFs: 0 is none of the effect, 1 all, 2 twice.
+    /// Amount of warps and DMFs: 0 is no effect, 1 all of it, 2 twice.
     ///
     /// Such as "z < 0.2 ? 0.0 : 1.0", a volume, or a mesh with colors, of which red (sRGB, 0 to 1) is the amount.
     #[arg(long, value_name = "EXPRESSION", allow_hyphen_values = true)]
     pub amount: Option<String>,
-    /// No effect on what lies flat: within these degrees of facing up or down, 0 to 90.
+    /// No effect where the surface is flat within this angle, 0 to 90.
     ///
-    /// Multiplies the amount, by 0 there and by factors that rise to 1 over the next 15 degrees.
+    /// Multiplies the amount by 0 where the surface faces up or down within these degrees, and by factors that rise to 1 over
+    /// the next 15 degrees.
     #[arg(long, value_name = "DEGREES")]
     pub amount_by_angle: Option<f32>,
     /// Voxels along a side, 32 to 256.

@@ -73,7 +73,7 @@ pub enum Command {
     /// Formats: OpenVDB, NRRD, .npy.
     #[command(after_help = examples("volume fire_ball -o fire.vdb", "volume teapot --effect fire --half --frames 1..48 -o fire_####.vdb"), mut_args = without_view)]
     Volume(Box<Volume>),
-    /// Paint length, density, color and direction on an object, by expressions.
+    /// Paint length, density, color, direction and amount on an object, by expressions.
     ///
     /// Modules of the effect read it.
     #[command(after_help = examples("groom torus --length 1.0-p.y", "groom teapot --density 1.0+p.x -o thin.nrrd"))]
