@@ -204,7 +204,7 @@ fn with_constants(text: &str, zero: &[String]) -> String {
     text
 }
 
-/// Name and text of the content of a slot; `varies`: whether warps and DMFs are not of the same strength everywhere.
+/// Name and text of the content of a slot; `varies`: whether the strength of warps and DMFs varies over space.
 fn fill(library: &Library, slot: &str, names: &[String], varies: bool) -> Result<(String, String), LibraryError> {
     if slot == MEDIUM && names.len() > 1 {
         return media(library, names);

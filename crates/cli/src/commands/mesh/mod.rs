@@ -170,7 +170,7 @@ struct MeshFile<'a> {
 struct Made {
     mesh: shape::Mesh,
     looks: Option<Looks>,
-    /// Proof, and triangles before decimation, of a mesh that is not of a grid.
+    /// Proof, and triangles before decimation, of a mesh that is held to a tolerance or a number of triangles.
     proof: Option<(Proof, usize)>,
 }
 
@@ -238,7 +238,7 @@ fn in_millimeters(command: &Mesh, error: SolidError, size: Option<Millimeters>) 
 }
 
 impl Mesh {
-    /// Detail of a mesh that is not of a grid.
+    /// Tolerance or number of triangles; `None` for a grid.
     fn detail(&self, scene: &Scene, size: Option<Millimeters>) -> Result<Option<Detail>, String> {
         Ok(match (self.tolerance, self.triangles) {
             (Some(Tolerance::World(length)), _) => Some(Detail::Tolerance(length)),

@@ -98,7 +98,7 @@ impl Exports {
         self.outcome.as_ref()
     }
 
-    /// What the last order has written, if there are facts about it.
+    /// Files of the last order, if there are facts about them.
     pub(crate) fn written(&self) -> Option<&Written> {
         self.written.as_ref()
     }
